@@ -67,6 +67,17 @@ pub struct Touch {
     pub normal: Vector,
 }
 
+/// Where two shapes are nearest to each other, or overlap the deepest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nearest {
+    /// Distance of the surfaces, negative where they overlap.
+    pub distance_m: f64,
+    /// A point of each surface, in the world.
+    pub points_m: [Vector; 2],
+    /// Unit vector along which the second shape moves away from the first, in the world.
+    pub normal: Vector,
+}
+
 /// What a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
@@ -100,6 +111,8 @@ impl PhysicsState {
 pub trait Physics: Send {
     /// The engine's name and version.
     fn engine(&self) -> (&'static str, String);
+    /// In how many equal parts a time step is integrated, while what is applied stays the same.
+    fn substeps(&self) -> usize;
     /// Advances by one time step of the layout.
     fn step(&mut self);
     /// Recomputes what follows from where things were placed, without advancing time.
@@ -118,6 +131,8 @@ pub trait Physics: Send {
     fn drive(&self, drive: usize) -> DriveState;
     /// Applies a force and a torque at a body's centre of mass, until changed.
     fn apply(&mut self, body: usize, force_newtons: Vector, torque_nm: Vector);
+    /// What is applied to a body: force and torque at its centre of mass.
+    fn applied(&self, body: usize) -> [Vector; 2];
     /// Where a body's frame is.
     fn body_pose(&self, body: usize) -> Pose;
     /// How it moves.
@@ -141,6 +156,9 @@ pub trait Physics: Send {
     ) -> Option<Hit>;
     /// Distance between two shapes' surfaces, negative when they overlap, at most `longest_m`.
     fn distance_m(&mut self, a: usize, b: usize, longest_m: f64) -> f64;
+    /// Where two shapes are nearest; `None` if they are more than `longest_m` apart, or just touch, so that there is no
+    /// direction.
+    fn nearest(&mut self, a: usize, b: usize, longest_m: f64) -> Option<Nearest>;
     /// Whether all numbers so far are sound.
     fn is_sound(&self) -> bool;
     /// Everything that determines the future.

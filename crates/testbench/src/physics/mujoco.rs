@@ -1,8 +1,8 @@
 //! MuJoCo as a [`Physics`].
 
 use super::layout::{Layout, Motion};
-use super::{DriveState, Hit, JointState, Physics, PhysicsState, Touch, Twist, mjcf_of};
-use crate::geometry::{Pose, Vector, add, scale};
+use super::{DriveState, Hit, JointState, Nearest, Physics, PhysicsState, Touch, Twist, mjcf_of};
+use crate::geometry::{Pose, Vector, add, scale, subtract};
 use crate::mujoco::{
     BodyId, DriveLaw, Engine, EngineError, GeomId, JointId, SavedState, Simulation,
 };
@@ -125,6 +125,10 @@ impl Physics for MujocoPhysics {
         ("MuJoCo", self.version.clone())
     }
 
+    fn substeps(&self) -> usize {
+        1
+    }
+
     /// The contact forces are those that made the step; everything else is as it is after it. So a
     /// restored state answers exactly as the one that was saved.
     fn step(&mut self) {
@@ -189,6 +193,14 @@ impl Physics for MujocoPhysics {
             self.simulation
                 .set_applied_force(*id, force_newtons, torque_nm);
         }
+    }
+
+    fn applied(&self, body: usize) -> [Vector; 2] {
+        let Some(id) = self.bodies.get(body) else {
+            return [[0.0; 3]; 2];
+        };
+        let [x, y, z, roll, pitch, yaw] = self.simulation.applied_force(*id);
+        [[x, y, z], [roll, pitch, yaw]]
     }
 
     fn body_pose(&self, body: usize) -> Pose {
@@ -260,6 +272,21 @@ impl Physics for MujocoPhysics {
             (Some(a), Some(b)) => self.simulation.geom_distance(*a, *b, longest_m),
             _ => longest_m,
         }
+    }
+
+    fn nearest(&mut self, a: usize, b: usize, longest_m: f64) -> Option<Nearest> {
+        let (a, b) = (*self.geoms.get(a)?, *self.geoms.get(b)?);
+        let (distance_m, points_m) = self.simulation.geom_nearest(a, b, longest_m);
+        if distance_m == 0.0 || distance_m >= longest_m {
+            return None;
+        }
+        // MuJoCo's segment has the length of the distance, also of a negative one.
+        let normal = scale(1.0 / distance_m, subtract(points_m[1], points_m[0]));
+        Some(Nearest {
+            distance_m,
+            points_m,
+            normal,
+        })
     }
 
     fn is_sound(&self) -> bool {

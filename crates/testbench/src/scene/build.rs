@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
+use super::compliant::{Compliant, keep_apart};
 use super::data::{Actuator, ActuatorKind, Object, Robot, SceneData, Sensor, SensorKind};
 use super::draws::Draws;
 use super::materials::coat;
@@ -112,6 +113,8 @@ pub(super) struct BuiltPerson {
     pub(super) shapes: Range<usize>,
     pub(super) height_m: f64,
     pub(super) radius_m: f64,
+    /// What holds the parts, of who gives way.
+    pub(super) compliant: Option<Compliant>,
 }
 
 /// Lays the scene out.
@@ -152,6 +155,8 @@ pub(super) fn build(
     let people: Vec<BuiltPerson> = people
         .map(|person| body_of(&mut layout, person, draws, next_group()))
         .collect();
+    check_steps(data, &people)?;
+    keep_apart(&mut layout, &people);
     coat(&mut layout, data, (&robots, &objects, &people), draws)?;
     let drives = data
         .actuators
@@ -169,6 +174,22 @@ pub(super) fn build(
     };
     check_sensors(data, &built)?;
     Ok(built)
+}
+
+/// Steps are short enough for the skin of everybody who gives way.
+fn check_steps(data: &SceneData, people: &[BuiltPerson]) -> Result<(), ScenarioError> {
+    let step_secs = data.simulation.time_step_secs;
+    for (person, built) in data.people.iter().zip(people) {
+        let longest_secs = built.compliant.as_ref().map(Compliant::longest_step_secs);
+        if let Some(longest_secs) = longest_secs.filter(|longest| step_secs > *longest) {
+            let problem = format!(
+                "is longer than {longest_secs:.2e} s, which the skin of `{}` allows: a hard skin over a small mass swings quickly",
+                person.name
+            );
+            return Err(ScenarioError::value("simulation.time_step_secs", &problem));
+        }
+    }
+    Ok(())
 }
 
 /// The floor touches everything but what is fixed to the world as well.

@@ -6,6 +6,7 @@
 
 mod actuator;
 mod body;
+mod compliance;
 mod drawn;
 mod person;
 mod sensor;
@@ -21,6 +22,8 @@ use toml::Table;
 
 pub use actuator::{ActuatorFault, ActuatorFaultKind};
 pub use body::{Actuator, ActuatorKind, Object, PlaceKeys, Robot};
+pub use compliance::Compliance;
+pub(super) use compliance::{REGIONS, Region as BodyRegion};
 pub(super) use drawn::resolve;
 pub use person::{
     Activity, ArmAngles, ArmPose, Person, PersonBody, Reaction, ReactionKind, Waypoint,

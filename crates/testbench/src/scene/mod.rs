@@ -48,7 +48,7 @@
 //! | topic | rate | signals |
 //! |---|---|---|
 //! | `/truth/ROBOT` | `record_hz` | `x`, `y`, `z`, `yaw`, `speed`, `turn_rate` of the root; `person_distance` between the surfaces of the robot and the nearest person; `person_force` and `other_force`, the largest sums of contact forces (the ground's aside) since the row before; of recorded joints `JOINT.position` and `.velocity` |
-//! | `/truth/PERSON` | `record_hz` | `x`, `y`, `heading`, `speed`, `robot_distance`, `activity`, `reacting`, `distracted`, `arrived`; of an articulated one the hands |
+//! | `/truth/PERSON` | `record_hz` | `x`, `y`, `heading`, `speed`, `robot_distance`, `activity`, `reacting`, `distracted`, `arrived`; of one with arms the hands |
 //! | `/sensor/SENSOR` | when a measurement arrives | `measured_at`, `faulty`, and what it measured; a lidar's nearest range, its place and the number of returns, or all with `record_all` |
 //! | `/command/ACTUATOR` | when a command takes effect, and when a fault begins or ends | the commanded values; `faulty` |
 //! | `/controller/CONTROLLER` | each tick | `finished`, `said.MESSAGE` for each message that it may send, and what it reports |
@@ -71,9 +71,9 @@
 //!
 //! # What is modelled how
 //!
-//! * People go where their behaviour says and push what is in their way; nothing pushes them, and
-//!   they do not avoid walls. Feet do not bear on the floor. Between people and what is fixed to the
-//!   world no force is known, because neither can give way; their distance is.
+//! * People go where their behaviour says and push what is in their way; nothing pushes them unless
+//!   their body is compliant, and they do not avoid walls. Feet do not bear on the floor. Between people
+//!   who do not give way and what is fixed to the world no force is known; their distance is.
 //! * A robot whose root is free rests on its own wheels or feet by contact and friction. Links of
 //!   one robot do not touch each other unless its description asks for it. Contact masks of MJCF are
 //!   carried over only where a shape touches nothing.
@@ -88,6 +88,7 @@
 mod actuating;
 mod bench;
 mod build;
+mod compliant;
 mod data;
 mod draws;
 mod drive_errors;

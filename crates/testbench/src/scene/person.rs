@@ -6,10 +6,15 @@
 //! arms swing as pendulums with the stride, opposite arms with opposite legs; knees do not bend and
 //! feet slide a little. Arms that reach, carry or withdraw go to declared angles of shoulder and elbow at
 //! a limited rate. That is enough for what sees or touches a person; it is no model of gait.
+//!
+//! A compliant person has the trunk in two parts and hands (hand 0.108 of the height, forearm without it 0.146), and each part is a
+//! body with a mass that is held at its place ([`super::compliant`]).
 
 use super::build::BuiltPerson;
+use super::compliant::Compliant;
 use super::data::{Person, PersonBody};
 use super::draws::Draws;
+use super::walker::Walker;
 use crate::geometry::{IDENTITY, Pose, Vector, about, add, compose, from_roll_pitch_yaw, rotate};
 use crate::physics::{BodyPlan, Form, Layout, Motion, ShapePlan, Surface, Touches};
 
@@ -17,6 +22,9 @@ use crate::physics::{BodyPlan, Form, Layout, Motion, ShapePlan, Surface, Touches
 const FRICTION: f64 = 0.6;
 /// How far below the middle of a forearm the hand ends, for a height of 1.
 pub(super) const HAND_BELOW_FOREARM: f64 = 0.127;
+/// Lengths of a forearm without the hand, and of a hand, for a height of 1.
+const FOREARM: f64 = 0.146;
+const HAND: f64 = 0.108;
 /// Length of a stride (two steps) for a height of 1.
 const STRIDE: f64 = 0.8;
 /// Largest angle of the legs at 1.4 m/s, and of the arms.
@@ -89,7 +97,7 @@ struct Limb {
     pitch_rad: f64,
 }
 
-/// Adds the bodies and shapes of a person.
+/// Adds the bodies and shapes of a person. What is led stands at the origin until it is led; what is held, where it begins.
 pub(super) fn body_of(
     layout: &mut Layout,
     person: &Person,
@@ -100,24 +108,28 @@ pub(super) fn body_of(
     let height_m = drawn("height_m", &person.height_m);
     let radius_m = drawn("radius_m", &person.radius_m).min(height_m / 2.0 - 1e-3);
     let (first_body, first_shape) = (layout.bodies.len(), layout.shapes.len());
-    for (part, form) in parts_of(person.body, height_m, radius_m) {
+    let at_origin = Pose {
+        position_m: [0.0; 3],
+        orientation: IDENTITY,
+    };
+    let parts = parts_of(person.body, height_m, radius_m);
+    let compliant = (person.body == PersonBody::Compliant)
+        .then(|| Compliant::new(person, &parts, (first_body, first_shape), draws));
+    let stance = Walker::new(person, radius_m, draws).stance;
+    let poses = poses_of(person.body, height_m, &stance);
+    for (place, (part, form)) in parts.into_iter().enumerate() {
+        let held = compliant.as_ref().map(|it| it.inertia(place));
         layout.bodies.push(BodyPlan {
             name: format!("{}/{part}", person.name),
             parent: None,
-            pose: Pose {
-                position_m: [0.0; 3],
-                orientation: IDENTITY,
-            },
-            motion: Motion::Led,
-            inertia: None,
+            pose: held.map_or(at_origin, |_| poses[place]),
+            motion: held.map_or(Motion::Led, |_| Motion::Free),
+            inertia: held,
         });
         layout.shapes.push(ShapePlan {
             name: format!("{}/{part}", person.name),
             body: Some(layout.bodies.len() - 1),
-            pose: Pose {
-                position_m: [0.0; 3],
-                orientation: IDENTITY,
-            },
+            pose: at_origin,
             form,
             friction: FRICTION,
             touches: Touches::AllButGroup(group),
@@ -129,6 +141,7 @@ pub(super) fn body_of(
         shapes: first_shape..layout.shapes.len(),
         height_m,
         radius_m,
+        compliant,
     }
 }
 
@@ -158,7 +171,39 @@ fn parts_of(body: PersonBody, height_m: f64, radius_m: f64) -> Vec<(&'static str
                 ("right_forearm", fore),
             ]
         }
+        PersonBody::Compliant => compliant_parts(height_m, radius_m),
     }
+}
+
+/// The same with a trunk of two parts and with hands. Legs end above the floor, as nothing but the person's balance holds them.
+fn compliant_parts(height_m: f64, radius_m: f64) -> Vec<(&'static str, Form)> {
+    let capsule = |radius_m: f64, length_m: f64| Form::Capsule {
+        radius_m,
+        length_m: (length_m - 2.0 * radius_m).max(0.01),
+    };
+    let trunk = capsule(0.75 * radius_m, 0.144 * height_m + 0.75 * radius_m);
+    let leg = capsule(0.045 * height_m, 0.51 * height_m);
+    let upper = capsule(0.026 * height_m, 0.238 * height_m);
+    let fore = capsule(0.022 * height_m, FOREARM * height_m + 0.022 * height_m);
+    let hand = capsule(0.02 * height_m, HAND * height_m);
+    vec![
+        ("chest", trunk.clone()),
+        ("abdomen", trunk),
+        (
+            "head",
+            Form::Sphere {
+                radius_m: 0.065 * height_m,
+            },
+        ),
+        ("left_leg", leg.clone()),
+        ("right_leg", leg),
+        ("left_upper_arm", upper.clone()),
+        ("right_upper_arm", upper),
+        ("left_forearm", fore.clone()),
+        ("right_forearm", fore),
+        ("left_hand", hand.clone()),
+        ("right_hand", hand),
+    ]
 }
 
 /// The poses of the parts, in the world.
@@ -174,7 +219,7 @@ pub(super) fn poses_of(body: PersonBody, height_m: f64, stance: &Stance) -> Vec<
         .collect()
 }
 
-/// Where a person's hands are, in the world: the ends of the forearms, or none for a capsule.
+/// Where an articulated person's hands are, in the world: the ends of the forearms.
 pub(super) fn hands_of(body: PersonBody, height_m: f64, stance: &Stance) -> Option<[Vector; 2]> {
     let poses = poses_of(body, height_m, stance);
     let [.., left, right] = poses.as_slice() else {
@@ -185,6 +230,12 @@ pub(super) fn hands_of(body: PersonBody, height_m: f64, stance: &Stance) -> Opti
         add(pose.position_m, along)
     };
     (body == PersonBody::Articulated).then(|| [end(left), end(right)])
+}
+
+/// The end of a compliant person's hand.
+pub(super) fn hand_end(pose: &Pose, height_m: f64) -> Vector {
+    let along = rotate(pose.orientation, [0.0, 0.0, -HAND / 2.0 * height_m]);
+    add(pose.position_m, along)
 }
 
 fn limbs_of(body: PersonBody, height_m: f64, stance: &Stance) -> Vec<Limb> {
@@ -203,30 +254,44 @@ fn limbs_of(body: PersonBody, height_m: f64, stance: &Stance) -> Vec<Limb> {
     };
     let hip = |side: f64| [0.0, side * 0.0955 * height_m, 0.53 * height_m];
     let leg = |side: f64| hanging(hip(side), 0.265, -side * swing * LEG_SWING_RAD);
-    let mut limbs = vec![upright(0.0, 0.0, 0.674), upright(0.0, 0.0, 0.935)];
+    let is_compliant = body == PersonBody::Compliant;
+    let mut limbs = match is_compliant {
+        true => vec![upright(0.0, 0.0, 0.746), upright(0.0, 0.0, 0.602)],
+        false => vec![upright(0.0, 0.0, 0.674)],
+    };
+    limbs.push(upright(0.0, 0.0, 0.935));
     limbs.extend([leg(1.0), leg(-1.0)]);
     let arms = [1.0, -1.0].map(|side| arm_of(side, height_m, swing, stance.arms));
-    limbs.extend(arms.map(|[upper, _]| upper));
-    limbs.extend(arms.map(|[_, fore]| fore));
+    limbs.extend(arms.map(|[upper, ..]| upper));
+    match is_compliant {
+        true => {
+            limbs.extend(arms.map(|[_, _, fore, _]| fore));
+            limbs.extend(arms.map(|[_, _, _, hand]| hand));
+        }
+        false => limbs.extend(arms.map(|[_, whole, ..]| whole)),
+    }
     limbs
 }
 
-/// Upper arm and forearm of one side (1 left, -1 right).
-fn arm_of(side: f64, height_m: f64, swing: f64, arms: Arms) -> [Limb; 2] {
+/// Upper arm, forearm with the hand, forearm and hand of one side (1 left, -1 right).
+fn arm_of(side: f64, height_m: f64, swing: f64, arms: Arms) -> [Limb; 4] {
     let shoulder_m = [0.0, side * 0.129 * height_m, 0.8 * height_m];
     let swing_rad = arms.swing * (side * swing * ARM_SWING_RAD);
     let (upper_rad, fore_rad) = (swing_rad + arms.upper_rad, swing_rad + arms.fore_rad);
     let (upper_m, fore_m) = (0.186 * height_m, 0.254 * height_m);
     let elbow_m = hang(shoulder_m, upper_m, upper_rad);
+    let of_forearm = |below_m: f64| Limb {
+        centre_m: hang(elbow_m, below_m, fore_rad),
+        pitch_rad: fore_rad,
+    };
     [
         Limb {
             centre_m: hang(shoulder_m, upper_m / 2.0, upper_rad),
             pitch_rad: upper_rad,
         },
-        Limb {
-            centre_m: hang(elbow_m, fore_m / 2.0, fore_rad),
-            pitch_rad: fore_rad,
-        },
+        of_forearm(fore_m / 2.0),
+        of_forearm(FOREARM * height_m / 2.0),
+        of_forearm((FOREARM + HAND / 2.0) * height_m),
     ]
 }
 

@@ -159,7 +159,7 @@ fn person_fields(body: PersonBody) -> Vec<Field> {
         Field::bool("distracted"),
         Field::bool("arrived"),
     ];
-    if body == PersonBody::Articulated {
+    if body.has_arms() {
         for side in ["left_hand", "right_hand"] {
             fields.extend(["x", "y", "z"].map(|axis| world(&format!("{side}.{axis}"), "m")));
         }

@@ -16,6 +16,7 @@ use stimulus::Stimulus;
 use super::actuating::Actuating;
 use super::bench::Prepared;
 use super::build::{Built, build};
+use super::compliant::{Compliant, Toucher};
 use super::data::whole_steps;
 use super::draws::Draws;
 use super::grip::Grips;
@@ -51,6 +52,10 @@ pub(super) struct Run {
     witness: Witness,
     grips: Grips,
     touches: Vec<Touch>,
+    /// What people who give way can be touched by.
+    touchers: Vec<Toucher>,
+    /// What touches their skin in the step to come.
+    skin: Vec<Touch>,
     /// Largest forces since the last row, by robot: of people, of other things.
     forces: Vec<[f64; 2]>,
     arrived: Vec<bool>,
@@ -125,6 +130,8 @@ impl Run {
             draws,
             physics,
             touches: Vec::new(),
+            touchers: Toucher::of(&built.layout, &built.people),
+            skin: Vec::new(),
             forces: vec![[0.0; 2]; built.robots.len()],
             arrived: vec![false; people.len()],
             people,
@@ -185,8 +192,13 @@ impl Run {
 
     /// People are where they went in `secs`, or where they are placed at first.
     fn lead_people(&mut self, secs: Option<f64>) {
-        for (walker, body) in self.people.iter().zip(&self.built.people) {
+        let then_secs = secs.map_or(0.0, |_| self.now_secs() + self.built.layout.time_step_secs);
+        for (walker, body) in self.people.iter().zip(&mut self.built.people) {
             let poses = poses_of(walker.body, body.height_m, &walker.stance);
+            if let Some(compliant) = &mut body.compliant {
+                compliant.want(&poses, then_secs, secs);
+                continue;
+            }
             for (body, pose) in body.bodies.clone().zip(&poses) {
                 self.physics.lead(body, pose);
                 self.witness.lead(body, pose, secs);
@@ -216,6 +228,7 @@ impl Run {
         self.sense(watch)?;
         self.enact();
         self.pilot(watch)?;
+        self.let_go();
         self.act(watch)?;
         if self.steps.is_multiple_of(self.record_steps) {
             self.record(watch)?;
@@ -226,10 +239,12 @@ impl Run {
         let data = &self.prepared.data;
         let layout = &self.built.layout;
         self.witness.look(data, layout, self.physics.as_ref());
+        self.hold_people();
         self.physics.step();
         self.steps += 1;
         self.touches.clear();
         self.physics.touches(&mut self.touches);
+        self.touches.append(&mut self.skin);
         let now_secs = self.now_secs();
         let data = &self.prepared.data;
         self.witness.feel(data, now_secs, &self.touches);
@@ -363,6 +378,24 @@ impl Run {
         Ok(())
     }
 
+    /// What people who give way and those who touch them were pushed with in the last step acts no longer.
+    fn let_go(&mut self) {
+        let people = self.built.people.iter();
+        let parts = people.flat_map(|it| it.compliant.iter().flat_map(Compliant::bodies));
+        for body in self.touchers.iter().map(Toucher::body).chain(parts) {
+            self.physics.apply(body, [0.0; 3], [0.0; 3]);
+        }
+    }
+
+    /// People who give way are held where they are wanted, and feel what touches them.
+    fn hold_people(&mut self) {
+        let Built { layout, people, .. } = &mut self.built;
+        for compliant in people.iter_mut().filter_map(|it| it.compliant.as_mut()) {
+            let physics = self.physics.as_mut();
+            compliant.act(physics, layout, &self.touchers, &mut self.skin);
+        }
+    }
+
     /// People go on to the end of this step.
     fn move_people(&mut self) {
         let data = &self.prepared.data.simulation;
@@ -377,8 +410,12 @@ impl Run {
             }
         };
         let robots: Vec<RobotSeen> = self.built.robots.iter().map(seen).collect();
-        for walker in &mut self.people {
+        for (walker, body) in self.people.iter_mut().zip(&mut self.built.people) {
             walker.update(then_secs, period_secs, &robots);
+            if let Some(compliant) = &mut body.compliant {
+                let newtons = compliant.pushed_newtons(period_secs);
+                walker.step_back(newtons, compliant.balance_newtons, period_secs);
+            }
         }
         self.lead_people(Some(period_secs));
     }

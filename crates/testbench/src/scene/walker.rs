@@ -169,6 +169,20 @@ impl Walker {
         }
     }
 
+    /// A push of more than the balance moves the person along it: at walking speed from twice the balance on.
+    pub(super) fn step_back(&mut self, newtons: [f64; 2], balance_newtons: f64, secs: f64) {
+        let size = newtons[0].hypot(newtons[1]);
+        if size <= balance_newtons {
+            return;
+        }
+        let share = ((size - balance_newtons) / balance_newtons).min(1.0);
+        let speed_m_s = share * self.walking_m_s;
+        let [x_m_s, y_m_s] = newtons.map(|part| part / size * speed_m_s);
+        self.stance.x_m += x_m_s * secs;
+        self.stance.y_m += y_m_s * secs;
+        self.velocity_m_s = [self.velocity_m_s[0] + x_m_s, self.velocity_m_s[1] + y_m_s];
+    }
+
     /// Arms go where they are wanted, at their rate.
     fn move_arms(&mut self, period_secs: f64) {
         let reacting = self.drawn.reaction_arms.filter(|_| self.reacting);

@@ -1,6 +1,7 @@
 //! All integration tests of the crate in one program, since each program costs a link.
 
 mod common;
+mod compliant;
 mod engines;
 mod physics;
 mod physics_actuators;

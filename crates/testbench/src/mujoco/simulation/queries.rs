@@ -111,6 +111,25 @@ impl Simulation {
         }
     }
 
+    /// As [`Simulation::geom_distance`], with a point of each shape's surface between which it is, in the world; the points
+    /// mean nothing where the distance is `longest_m`.
+    pub fn geom_nearest(&mut self, a: GeomId, b: GeomId, longest_m: f64) -> (f64, [[f64; 3]; 2]) {
+        let mut points_m = [0.0; 6];
+        // SAFETY: both identifiers came from this model; the result has room for two points.
+        let distance_m = unsafe {
+            (self.functions.geom_distance)(
+                self.model.as_ptr(),
+                self.data.as_ptr(),
+                a.0 as c_int,
+                b.0 as c_int,
+                longest_m,
+                points_m.as_mut_ptr(),
+            )
+        };
+        let point = |first: usize| std::array::from_fn(|axis| points_m[first + axis]);
+        (distance_m, [point(0), point(3)])
+    }
+
     /// An entry of one of the model's tables of joints.
     fn joint_address(&self, offset: usize, joint: usize) -> Option<usize> {
         // SAFETY: offsets come from `layout`, confirmed by the self check for this version; the

@@ -32,7 +32,7 @@ use self::build::{Bodies, Placed};
 use self::joints::Joints;
 use self::touching::Apart;
 use super::layout::{Layout, Motion};
-use super::{DriveState, Hit, JointState, Physics, PhysicsState, Touch, Twist};
+use super::{DriveState, Hit, JointState, Nearest, Physics, PhysicsState, Touch, Twist};
 use crate::bench::SimError;
 use crate::geometry::{Pose, Vector};
 
@@ -210,6 +210,10 @@ impl Physics for RapierPhysics {
         ("Rapier", VERSION.to_owned())
     }
 
+    fn substeps(&self) -> usize {
+        self.layout.solver.rapier.substeps
+    }
+
     fn step(&mut self) {
         self.push();
         let world = &mut self.world;
@@ -278,6 +282,11 @@ impl Physics for RapierPhysics {
         if let Some(applied) = self.world.applied.get_mut(body) {
             *applied = [force_newtons, torque_nm];
         }
+    }
+
+    fn applied(&self, body: usize) -> [Vector; 2] {
+        let applied = self.world.applied.get(body);
+        applied.copied().unwrap_or([[0.0; 3]; 2])
     }
 
     fn body_pose(&self, body: usize) -> Pose {
@@ -352,6 +361,17 @@ impl Physics for RapierPhysics {
         let (a, b) = (&self.shapes[a], &self.shapes[b]);
         let found_m = shapes::distance_m(a, &pose_a, b, &pose_b);
         found_m.map_or(longest_m, |found_m| found_m.min(longest_m))
+    }
+
+    fn nearest(&mut self, a: usize, b: usize, longest_m: f64) -> Option<Nearest> {
+        let (pose_a, pose_b) = (self.shape_pose(a)?, self.shape_pose(b)?);
+        shapes::nearest(
+            &self.shapes[a],
+            &pose_a,
+            &self.shapes[b],
+            &pose_b,
+            longest_m,
+        )
     }
 
     fn is_sound(&self) -> bool {

@@ -6,8 +6,9 @@ use rapier3d_f64::parry::query;
 use rapier3d_f64::prelude as r;
 
 use super::build::refused;
-use super::to_vector;
+use super::{of_vector, to_vector};
 use crate::bench::SimError;
+use crate::physics::Nearest;
 use crate::physics::layout::{Form, Layout, ShapePlan};
 
 /// Edges around an ellipsoid's polyhedron, and half as many from pole to pole: its surface lies at
@@ -109,4 +110,21 @@ pub(super) fn distance_m(a: &Shape, at_a: &r::Pose, b: &Shape, at_b: &r::Pose) -
     }
     let contact = query::contact(at_a, form_a, at_b, form_b, 0.0).ok()?;
     Some(contact.map_or(0.0, |contact| contact.dist.min(0.0)))
+}
+
+/// Where two surfaces are nearest within a distance; `None` beyond it, or if Rapier cannot say.
+pub(super) fn nearest(
+    a: &Shape,
+    at_a: &r::Pose,
+    b: &Shape,
+    at_b: &r::Pose,
+    longest_m: f64,
+) -> Option<Nearest> {
+    let (form_a, form_b) = (a.form.as_ref(), b.form.as_ref());
+    let contact = query::contact(at_a, form_a, at_b, form_b, longest_m).ok()??;
+    Some(Nearest {
+        distance_m: contact.dist,
+        points_m: [contact.point1, contact.point2].map(of_vector),
+        normal: of_vector(contact.normal1),
+    })
 }

@@ -4,18 +4,22 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use stimulus::Distribution;
 
+use super::compliance::Compliance;
 use super::{key_of, within, zero};
 use crate::bench::ScenarioError;
 
-/// A person: a body that walks where its behaviour says, whatever pushes it.
+/// A person: a body that walks where its behaviour says; whatever pushes it, unless it is compliant.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Person {
     /// Name.
     pub name: String,
-    /// One capsule, or limbs.
+    /// One capsule, or limbs, which may give way.
     #[serde(default)]
     pub body: PersonBody,
+    /// How a compliant body gives way.
+    #[serde(default)]
+    pub compliance: Option<Compliance>,
     /// Height, soles to crown.
     #[serde(default = "tall")]
     pub height_m: Distribution,
@@ -114,6 +118,18 @@ pub enum PersonBody {
     Capsule,
     /// Trunk, head, arms of two parts and legs, which swing as the person walks.
     Articulated,
+    /// The same with hands, each part with the mass and the skin of its region of the body: they give way to what pushes them.
+    Compliant,
+}
+
+impl PersonBody {
+    /// Whether there are arms with hands.
+    pub(in crate::scene) fn has_arms(self) -> bool {
+        match self {
+            Self::Capsule => false,
+            Self::Articulated | Self::Compliant => true,
+        }
+    }
 }
 
 /// What a person does.
@@ -273,6 +289,14 @@ impl Person {
         let key = |field: &str| key_of("person", &self.name, field);
         for (field, distribution, low, high) in self.numbers() {
             within(&key(field), distribution, low, high)?;
+        }
+        match (&self.compliance, self.body) {
+            (Some(compliance), PersonBody::Compliant) => compliance.check(&self.name)?,
+            (Some(_), _) => {
+                let problem = "gives way only with `body = \"compliant\"`";
+                return Err(ScenarioError::value(&key("compliance"), problem));
+            }
+            (None, _) => {}
         }
         for (index, point) in self.waypoints.iter().enumerate() {
             let key = |field: &str| key(&format!("waypoint.{index}.{field}"));

@@ -87,6 +87,8 @@ impl Run {
             witness: frozen.witness.clone(),
             grips: frozen.grips.clone(),
             touches: frozen.touches.clone(),
+            touchers: Toucher::of(&frozen.built.layout, &frozen.built.people),
+            skin: Vec::new(),
             forces: frozen.forces.clone(),
             arrived: frozen.arrived.clone(),
             steps: frozen.steps,

@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::Pose;
 use crate::scene::build::{BuiltPerson, BuiltRobot};
-use crate::scene::person::hands_of;
+use crate::scene::person::{hand_end, hands_of};
 use crate::viewer::Viewer;
 
 impl Run {
@@ -161,8 +161,14 @@ impl Run {
             flag(walker.distracted),
             flag(walker.has_arrived()),
         ];
-        if let Some(hands) = hands_of(walker.body, self.built.people[index].height_m, stance) {
+        let body = &self.built.people[index];
+        if let Some(hands) = hands_of(walker.body, body.height_m, stance) {
             row.extend(hands.as_flattened());
+        }
+        if body.compliant.is_some() {
+            let hands = body.bodies.end - 2..body.bodies.end;
+            let end = |hand| hand_end(&self.physics.body_pose(hand), body.height_m);
+            row.extend(hands.flat_map(end));
         }
         row
     }

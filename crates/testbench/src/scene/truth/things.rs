@@ -195,7 +195,7 @@ impl Thing {
         (links, joints): (&BTreeMap<String, usize>, &BTreeMap<String, usize>),
         shapes: std::ops::Range<usize>,
     ) -> Self {
-        let yields = |body: usize| kind != Kind::Person && is_loose(layout, body);
+        let yields = |body: usize| is_loose(layout, body);
         let bodies: Vec<usize> = match (links.is_empty(), place) {
             (true, Place::Body(body, _)) => vec![body],
             _ => links.values().copied().collect(),
