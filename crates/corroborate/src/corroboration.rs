@@ -3,7 +3,7 @@
 use crate::outcome::Outcome;
 use crate::published;
 use crate::technique::experiment::repeated;
-use crate::technique::{Influence, Produced, copies};
+use crate::technique::{Influence, Produced, copies, repeated_question};
 use diagnostic::Problem;
 use evidence::{
     Asset, Clue, Conclusion, Cost, CoverageGap, Denominator, Evidence, Inaccuracy, Matter, Measure,
@@ -50,6 +50,8 @@ pub fn piece(
     };
     let conditions = study.about.conditions.get(&entry.conditions);
     let technique = entry.work.technique();
+    let declared = entry.work.parts().recordings.and_then(|it| it.repeated);
+    let repeated = repeated_question(&entry.id, &produced.repeated_recordings, declared);
     let is_published = technique.is_of_simulator() && entry.work.is_read();
     Piece {
         evidence: Evidence {
@@ -77,8 +79,10 @@ pub fn piece(
             clusters: produced.clusters,
             shared_rows: Vec::new(),
             common_texts: Vec::new(),
+            shared_seeds: Vec::new(),
+            undecided_at_random: None,
             alike_trials: produced.alike_trials,
-            lineage_questions: Vec::new(),
+            lineage_questions: repeated.into_iter().collect(),
             inputs,
         },
         cost,

@@ -14,6 +14,7 @@ pub mod matrix;
 pub mod model_checking;
 pub mod operation;
 pub mod rows;
+mod same_messages;
 mod sessions;
 pub mod simulation;
 
@@ -21,6 +22,8 @@ pub use counted::CountedConstant;
 pub use files::Files;
 pub(crate) use kinds::technique_of;
 pub use kinds::{Asked, Kept, Prepared, Propositions, Technique, Techniques, Working};
+pub use same_messages::RepeatedRecording;
+pub(crate) use same_messages::question as repeated_question;
 
 use diagnostic::Problem;
 use evidence::{
@@ -53,6 +56,9 @@ pub struct Produced {
     /// How alike the trials are in groups that nothing declares, where each trial is seen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alike_trials: Option<AlikeTrials>,
+    /// Recordings with the same messages as others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub repeated_recordings: Vec<RepeatedRecording>,
     /// What a formal model tells of failure modes and requirements.
     pub influences: Vec<Influence>,
     /// What it took.

@@ -75,7 +75,7 @@ pub use fit::{
 pub use interval::Interval;
 pub use ledger::{
     AlikeTrials, Calibration, ClusterTests, CommonText, CopyKind, Cost, Evidence, LineageQuestion,
-    PublishedFigure, RepeatedRows, StudyResult, TakenCorrelation,
+    PublishedFigure, RepeatedRows, SharedSeeds, StudyResult, TakenCorrelation,
 };
 pub use looks::{Look, LookedAt, Looking, Looks};
 pub use measure::{Worst, adds_up};

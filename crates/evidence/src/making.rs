@@ -135,6 +135,8 @@ impl Evidence {
             clusters: None,
             shared_rows: vec![],
             common_texts: Vec::new(),
+            shared_seeds: Vec::new(),
+            undecided_at_random: None,
             alike_trials: None,
             lineage_questions: vec![],
             inputs: String::new(),

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
 
-pub use parts::{Parts, Simulated, TableFiles};
+pub use parts::{Parts, RecordingFiles, Simulated, TableFiles};
 pub use read::load;
 pub(crate) use read::schema;
 
@@ -276,6 +276,9 @@ pub enum Work {
         technique: evidence::Technique,
         /// Their folder, relative to the study.
         recordings: PathBuf,
+        /// Why recordings of the same messages are trials of their own, where the study declares it; else they are one.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        repeated: Option<String>,
     },
     /// What a technique does that is not built in: whoever runs the study brings it.
     Other {

@@ -147,6 +147,7 @@ impl Tables {
             failures: Vec::new(),
             clusters,
             alike_trials: None,
+            repeated_recordings: Vec::new(),
             influences: Vec::new(),
             cost: Cost {
                 evidence: id.to_owned(),

@@ -349,6 +349,7 @@ impl<'a> Compiled<'a> {
             failures: Vec::new(),
             clusters: None,
             alike_trials: None,
+            repeated_recordings: Vec::new(),
             influences,
             cost,
         })

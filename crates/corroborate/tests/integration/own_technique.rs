@@ -86,6 +86,7 @@ impl<'a> Tosses<'a> {
             description_gaps: Vec::new(),
             clusters: None,
             alike_trials: None,
+            repeated_recordings: Vec::new(),
             influences: Vec::new(),
             cost: Cost {
                 evidence: self.asked.entry.id.clone(),

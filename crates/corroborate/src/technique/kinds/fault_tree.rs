@@ -252,6 +252,7 @@ impl Ready<'_> {
             failures: Vec::new(),
             clusters: None,
             alike_trials: None,
+            repeated_recordings: Vec::new(),
             influences,
             cost: Cost {
                 evidence: self.asked.entry.id.clone(),
