@@ -104,6 +104,28 @@ pub fn confidence(level: f64) -> Result<stats::Confidence, Problem> {
     stats::Confidence::new(level).map_err(|error| Problem::new("bad-level", error.to_string()))
 }
 
+/// Findings with their runs that reached no verdict counted both ways, unless the ledger declares that these are missing at
+/// random.
+pub fn counting_undecided(
+    study: &Study,
+    entry: &Entry,
+    findings: Vec<Finding>,
+) -> Result<Vec<Finding>, Problem> {
+    if entry.undecided_at_random.is_some() {
+        return Ok(findings);
+    }
+    let level = confidence(study.about.confidence)?;
+    let is_anytime = entry.sampling.until.is_some();
+    let counted = |sample: stats::Sample| match is_anytime {
+        true => Ok(campaign::anytime(sample, level)),
+        false => Measure::of_counts(sample, None, level),
+    };
+    let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
+    let all = findings.into_iter();
+    all.map(|finding| finding.counting_undecided(level, &counted).map_err(bad))
+        .collect()
+}
+
 /// Counts as a measure, with Wilson's interval at the effective number of
 /// trials.
 pub fn counts(

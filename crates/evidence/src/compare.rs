@@ -188,6 +188,7 @@ impl<'a> Study<'a> {
 ///         denominator: Denominator::default(),
 ///         trigger: None,
 ///         undecided: 0,
+///         completions: None,
 ///         witnesses: vec![],
 ///         readings: vec![],
 ///     }],
@@ -271,7 +272,6 @@ fn draft(
         return None;
     }
     let findings = (left.finding(subject)?, right.finding(subject)?);
-    let measures = (&findings.0.measure, &findings.1.measure);
     let sides = ((left, findings.0), (right, findings.1));
     let fit = lineage.dependence(&left.id, &right.id, subject);
     let mut comparison = blank(subject, left, right, margin);
@@ -293,7 +293,10 @@ fn draft(
         Some(Err(reason)) => comparison.trigger_not_compared = Some(reason),
         None => {}
     }
-    let (pair, obstacle) = match (Belief::of(measures.0), Belief::of(measures.1)) {
+    let (pair, obstacle) = match (
+        Belief::of_finding(findings.0),
+        Belief::of_finding(findings.1),
+    ) {
         (Ok(first), Ok(second)) => {
             let pair = paired(study, subject, margin, ((left, first), (right, second)));
             let obstacle =

@@ -176,7 +176,7 @@ impl<'a> Piece<'a> {
         Some(Self {
             evidence,
             finding,
-            belief: Belief::of(&finding.measure).ok()?,
+            belief: Belief::of_finding(finding).ok()?,
             counted,
         })
     }

@@ -13,6 +13,7 @@
 
 mod asset;
 mod compare;
+mod completions;
 mod conclude;
 mod condition;
 mod description;

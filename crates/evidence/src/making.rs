@@ -88,6 +88,7 @@ impl Finding {
             denominator: Denominator::default(),
             trigger: None,
             undecided: 0,
+            completions: None,
             witnesses: vec![],
             readings: vec![],
         }

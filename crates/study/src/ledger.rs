@@ -61,6 +61,8 @@ pub struct Entry {
     pub calibrated: Vec<Calibrated>,
     /// Why it is independent of evidence from which it looks copied.
     pub independent: Independent,
+    /// Why its runs without a verdict may be left out, where the study declares that they are missing at random.
+    pub undecided_at_random: Option<String>,
     /// Figures of the source publication.
     pub published: Published,
     /// How to produce it.

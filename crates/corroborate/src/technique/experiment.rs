@@ -123,6 +123,7 @@ impl Tables {
                 denominator: self.denominator(form),
                 trigger: self.trigger(study, &form.subject)?,
                 undecided: 0,
+                completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             });

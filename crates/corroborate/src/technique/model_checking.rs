@@ -323,6 +323,7 @@ impl<'a> Compiled<'a> {
                 denominator: asked.denominator,
                 trigger: asked.trigger,
                 undecided: 0,
+                completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             });
@@ -375,6 +376,7 @@ impl<'a> Compiled<'a> {
                     denominator: Denominator::default(),
                     trigger: None,
                     undecided: 0,
+                    completions: None,
                     witnesses: Vec::new(),
                     readings: Vec::new(),
                 });

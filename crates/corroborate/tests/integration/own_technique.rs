@@ -78,6 +78,7 @@ impl<'a> Tosses<'a> {
                 denominator: Denominator::default(),
                 trigger: None,
                 undecided: 0,
+                completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             }],

@@ -111,6 +111,7 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 27] {
         reproduced_by: _,
         calibrated: _,
         independent: _,
+        undecided_at_random: _,
         published: _,
     } = text;
     let assets = assets.iter().flatten().next();

@@ -234,6 +234,7 @@ impl Ready<'_> {
                 },
                 trigger: None,
                 undecided: 0,
+                completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             });
