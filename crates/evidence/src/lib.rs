@@ -65,9 +65,9 @@ pub use exploration::{
 };
 pub use failure::{EpisodeFailures, FailureKind};
 pub use finding::{
-    ConstantInterval, CredibleInterval, Denominator, EndDistribution, Finding, FormDifference,
-    Guarantee, Measure, MethodAnswer, Reading, RobustBounds, SchedulerEnds, Spread, Subject,
-    WorstCase,
+    Completions, ConstantInterval, CredibleInterval, Denominator, EndDistribution, Finding,
+    FormDifference, Guarantee, Measure, MethodAnswer, Reading, RobustBounds, SchedulerEnds, Spread,
+    Subject, WorstCase,
 };
 pub use fit::{
     CalibrationReport, DirectionReport, FileReport, HeldOutRunsReport, Identification, Likeness,

@@ -21,7 +21,7 @@ use crate::{
     ClusterSensitivity, Comparison, Conclusion, Evidence, ExclusionReason, Measure, Outcome, Study,
     Verdict, compare, conclude,
 };
-use stats::{Sample, kish_design_effect};
+use stats::{Confidence, Sample, kish_design_effect};
 
 /// Trials of one person or session where the tables do not tell.
 pub const ASSUMED_GROUP: u64 = 10;
