@@ -489,6 +489,8 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         clusters: None,
         shared_rows: Vec::new(),
         common_texts: Vec::new(),
+        shared_seeds: Vec::new(),
+        undecided_at_random: None,
         alike_trials: None,
         lineage_questions: Vec::new(),
         inputs: String::new(),

@@ -3,7 +3,7 @@
 use crate::outcome::Outcome;
 use crate::published;
 use crate::technique::experiment::repeated;
-use crate::technique::{Influence, Produced, copies};
+use crate::technique::{Influence, Produced, copies, counting_undecided, repeated_question};
 use diagnostic::Problem;
 use evidence::{
     Asset, Clue, Conclusion, Cost, CoverageGap, Denominator, Evidence, Inaccuracy, Matter, Measure,
@@ -41,7 +41,7 @@ pub fn piece(
     assets: Vec<Asset>,
     inputs: String,
     produced: Produced,
-) -> Piece {
+) -> Result<Piece, Problem> {
     let headline = headline(study, &produced);
     let published = published::figures(study, entry, &produced);
     let cost = Cost {
@@ -50,8 +50,11 @@ pub fn piece(
     };
     let conditions = study.about.conditions.get(&entry.conditions);
     let technique = entry.work.technique();
+    let declared = entry.work.parts().recordings.and_then(|it| it.repeated);
+    let repeated = repeated_question(&entry.id, &produced.repeated_recordings, declared);
     let is_published = technique.is_of_simulator() && entry.work.is_read();
-    Piece {
+    let findings = counting_undecided(study, entry, produced.findings)?;
+    Ok(Piece {
         evidence: Evidence {
             id: entry.id.clone(),
             title: entry.title.clone(),
@@ -70,15 +73,17 @@ pub fn piece(
             intermediate: entry.intermediate,
             published: is_published,
             reproduced_by: entry.reproduced_by.clone(),
-            findings: produced.findings,
+            findings,
             form_differences: produced.form_differences,
             description_gaps: produced.description_gaps,
             failures: produced.failures,
             clusters: produced.clusters,
             shared_rows: Vec::new(),
             common_texts: Vec::new(),
+            shared_seeds: Vec::new(),
+            undecided_at_random: entry.undecided_at_random.clone(),
             alike_trials: produced.alike_trials,
-            lineage_questions: Vec::new(),
+            lineage_questions: repeated.into_iter().collect(),
             inputs,
         },
         cost,
@@ -86,7 +91,7 @@ pub fn piece(
         published,
         influences: produced.influences,
         drifted: Vec::new(),
-    }
+    })
 }
 
 /// A rate to four digits.

@@ -194,7 +194,7 @@ impl Planning<'_> {
         }
         let piece = self
             .ready
-            .piece(entry, prepared, fresh, inputs, stored.content);
+            .piece(entry, prepared, fresh, inputs, stored.content)?;
         fresh.push(piece);
         Ok(Freshness::Fresh)
     }

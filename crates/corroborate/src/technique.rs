@@ -14,6 +14,7 @@ pub mod matrix;
 pub mod model_checking;
 pub mod operation;
 pub mod rows;
+mod same_messages;
 mod sessions;
 pub mod simulation;
 
@@ -21,6 +22,8 @@ pub use counted::CountedConstant;
 pub use files::Files;
 pub(crate) use kinds::technique_of;
 pub use kinds::{Asked, Kept, Prepared, Propositions, Technique, Techniques, Working};
+pub use same_messages::RepeatedRecording;
+pub(crate) use same_messages::question as repeated_question;
 
 use diagnostic::Problem;
 use evidence::{
@@ -53,6 +56,9 @@ pub struct Produced {
     /// How alike the trials are in groups that nothing declares, where each trial is seen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alike_trials: Option<AlikeTrials>,
+    /// Recordings with the same messages as others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub repeated_recordings: Vec<RepeatedRecording>,
     /// What a formal model tells of failure modes and requirements.
     pub influences: Vec<Influence>,
     /// What it took.
@@ -96,6 +102,28 @@ pub fn assets(study: &Study, entry: &Entry) -> Result<Vec<Asset>, Problem> {
 /// loaded.
 pub fn confidence(level: f64) -> Result<stats::Confidence, Problem> {
     stats::Confidence::new(level).map_err(|error| Problem::new("bad-level", error.to_string()))
+}
+
+/// Findings with their runs that reached no verdict counted both ways, unless the ledger declares that these are missing at
+/// random.
+pub fn counting_undecided(
+    study: &Study,
+    entry: &Entry,
+    findings: Vec<Finding>,
+) -> Result<Vec<Finding>, Problem> {
+    if entry.undecided_at_random.is_some() {
+        return Ok(findings);
+    }
+    let level = confidence(study.about.confidence)?;
+    let is_anytime = entry.sampling.until.is_some();
+    let counted = |sample: stats::Sample| match is_anytime {
+        true => Ok(campaign::anytime(sample, level)),
+        false => Measure::of_counts(sample, None, level),
+    };
+    let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
+    let all = findings.into_iter();
+    all.map(|finding| finding.counting_undecided(level, &counted).map_err(bad))
+        .collect()
 }
 
 /// Counts as a measure, with Wilson's interval at the effective number of

@@ -125,6 +125,7 @@ fn piece(
                 denominator: evidence::Denominator::default(),
                 trigger: None,
                 undecided: 0,
+                completions: None,
                 witnesses: (0..50).map(|seed| format!("episode {seed}")).collect(),
                 readings: vec![],
             })
@@ -135,6 +136,8 @@ fn piece(
         clusters: None,
         shared_rows: Vec::new(),
         common_texts: Vec::new(),
+        shared_seeds: Vec::new(),
+        undecided_at_random: None,
         alike_trials: None,
         lineage_questions: Vec::new(),
         inputs: String::new(),

@@ -189,6 +189,7 @@ impl<'a> Study<'a> {
 ///         denominator: Denominator::default(),
 ///         trigger: None,
 ///         undecided: 0,
+///         completions: None,
 ///         witnesses: vec![],
 ///         readings: vec![],
 ///     }],
@@ -198,6 +199,8 @@ impl<'a> Study<'a> {
 ///     clusters: None,
 ///     shared_rows: Vec::new(),
 ///     common_texts: Vec::new(),
+///     shared_seeds: Vec::new(),
+///     undecided_at_random: None,
 ///     alike_trials: None,
 ///     lineage_questions: Vec::new(),
 ///     inputs: String::new(),
@@ -270,12 +273,12 @@ fn draft(
         return None;
     }
     let findings = (left.finding(subject)?, right.finding(subject)?);
-    let measures = (&findings.0.measure, &findings.1.measure);
     let sides = ((left, findings.0), (right, findings.1));
     let fit = lineage.dependence(&left.id, &right.id, subject);
     let mut comparison = blank(subject, left, right, margin);
     comparison.independent = fit.is_none();
     comparison.possibly_copied = lineage.is_possible_copy(&left.id, &right.id, subject);
+    comparison.paired = lineage.is_paired(&left.id, &right.id, subject);
     let mut noted = lineage.noted(&left.id, &right.id, subject);
     let of_one = [left, right]
         .into_iter()
@@ -291,7 +294,10 @@ fn draft(
         Some(Err(reason)) => comparison.trigger_not_compared = Some(reason),
         None => {}
     }
-    let (pair, obstacle) = match (Belief::of(measures.0), Belief::of(measures.1)) {
+    let (pair, obstacle) = match (
+        Belief::of_finding(findings.0),
+        Belief::of_finding(findings.1),
+    ) {
         (Ok(first), Ok(second)) => {
             let pair = paired(study, subject, margin, ((left, first), (right, second)));
             let obstacle =
@@ -308,6 +314,9 @@ fn draft(
             (None, Some(missing(left, right, reasons)))
         }
     };
+    let same_runs = lineage.same_runs(&left.id, &right.id);
+    let same_runs = same_runs.map(|why| format!("{why}. They count once"));
+    let obstacle = same_runs.or(obstacle);
     Some(Draft {
         comparison,
         fit,
@@ -411,6 +420,7 @@ fn blank(subject: &Subject, left: &Evidence, right: &Evidence, margin: f64) -> C
         p_equivalence: None,
         probability_within_margin: None,
         possibly_copied: false,
+        paired: false,
         clustering: None,
         trigger: None,
         trigger_not_compared: None,
@@ -505,6 +515,7 @@ impl Draft {
             return noted.map(|words| format!(" Note: {words}.")).collect();
         };
         let meaning = match (self.comparison.possibly_copied, self.comparison.outcome) {
+            _ if self.comparison.paired => self.paired_in_words(),
             (true, Outcome::Corroborates) => "This agreement is possibly copied, not corroboration",
             (true, Outcome::Conflicts) => "They differ although one looks copied from the other",
             (true, _) => "One looks copied from the other, so that agreement would show nothing",
@@ -513,6 +524,21 @@ impl Draft {
             (false, _) => "They are not independent, so that agreement would be a fit",
         };
         format!(" {meaning}: {fit}.")
+    }
+
+    /// What the outcome means of runs with the same seeds.
+    fn paired_in_words(&self) -> &'static str {
+        match self.comparison.outcome {
+            Outcome::Corroborates => {
+                "They agree on the same draws, which says less of all runs than two samples would"
+            }
+            Outcome::Conflicts => {
+                "The draws are the same, so that the difference is not by the draw"
+            }
+            Outcome::Inconclusive | Outcome::NotComparable => {
+                "They are tested as two samples, which is cautious where the same draws act alike in both"
+            }
+        }
     }
 
     fn agreement_in_words(&self, differ: bool) -> String {

@@ -176,7 +176,7 @@ impl<'a> Piece<'a> {
         Some(Self {
             evidence,
             finding,
-            belief: Belief::of(&finding.measure).ok()?,
+            belief: Belief::of_finding(finding).ok()?,
             counted,
         })
     }
@@ -441,8 +441,8 @@ fn agreement(among: &[&Comparison], independent: bool) -> Vec<String> {
         .iter()
         .filter(|comparison| comparison.outcome == Outcome::Corroborates)
         .filter(|comparison| comparison.independent == independent)
-        // What is possibly copied is neither: it is a question of its own.
-        .filter(|comparison| !comparison.possibly_copied)
+        // What is possibly copied, or on the same draws, is neither: the comparison says what it is.
+        .filter(|comparison| !comparison.possibly_copied && !comparison.paired)
         .map(|comparison| {
             let pair = format!("{} and {}", comparison.left, comparison.right);
             match comparison.reason.strip_prefix("They ") {

@@ -34,6 +34,7 @@ impl Finding {
     ///     denominator: Denominator::Triggered,
     ///     trigger: Some(Box::new(counts(200, 960)?)),
     ///     undecided: 0,
+    ///     completions: None,
     ///     witnesses: vec![],
     ///     readings: vec![],
     /// };
@@ -97,8 +98,7 @@ impl Finding {
     fn of_counts(&self, (count, trials): (u64, u64), words: &Words) -> String {
         let ended = match self.undecided {
             0 => String::new(),
-            1 => "; 1 more run reached no verdict".to_owned(),
-            many => format!("; {many} more runs reached no verdict"),
+            _ => format!("; {}", self.undecided_in_words()),
         };
         match &self.denominator {
             Denominator::EveryRun | Denominator::NoTrigger => {
@@ -239,6 +239,7 @@ mod tests {
             denominator,
             trigger: trigger.map(Box::new),
             undecided: 0,
+            completions: None,
             witnesses: vec![],
             readings: vec![],
         }
@@ -292,12 +293,15 @@ mod tests {
         assert_eq!(
             of(Denominator::Triggered, None).condition(None).as_deref(),
             Some(
-                "7 of the 9 runs that trigger it; 3 more runs reached no verdict; how many runs there were in all is not known"
+                "7 of the 9 runs that trigger it; 3 more runs reached no verdict and are taken to be missing at random; how \
+                 many runs there were in all is not known"
             )
         );
         assert_eq!(
             of(Denominator::EveryRun, None).condition(None).as_deref(),
-            Some("7 of the 9 runs with a verdict; 3 more runs reached no verdict")
+            Some(
+                "7 of the 9 runs with a verdict; 3 more runs reached no verdict and are taken to be missing at random"
+            )
         );
     }
 

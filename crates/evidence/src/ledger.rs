@@ -160,6 +160,13 @@ pub struct Evidence {
     /// What of its models stands in models of earlier evidence, too.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub common_texts: Vec<CommonText>,
+    /// Earlier simulations whose seeds its runs have, too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shared_seeds: Vec<SharedSeeds>,
+    /// Why its runs without a verdict are as likely to be kept as those with one, where the study declares it; without it they
+    /// count against and for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub undecided_at_random: Option<String>,
     /// How alike its trials are in groups that nothing declares, where a technique that sees each trial looked for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alike_trials: Option<AlikeTrials>,
@@ -197,6 +204,18 @@ pub struct RepeatedRows {
     pub common: u64,
     /// The probability of as many by chance, at most (`stats::shared_rows`).
     pub chance: f64,
+}
+
+/// Runs of two simulations that are drawn from the same seeds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct SharedSeeds {
+    /// The earlier evidence.
+    pub with: String,
+    /// The evidence whose seeds both have.
+    pub of: String,
+    /// Whether the same simulator runs the same in both: then they are the same runs, told twice. Otherwise they are paired,
+    /// run by run, and draw the same random numbers.
+    pub same_runs: bool,
 }
 
 /// Models of two pieces of evidence of which most was written once: a copy, or a revision.
@@ -261,6 +280,8 @@ pub enum CopyKind {
     Trials,
     /// Episodes with the same seeds as the other evidence's.
     Seeds,
+    /// Recordings of the piece itself that have the same messages; the other evidence is the piece.
+    Recordings,
 }
 
 impl Evidence {

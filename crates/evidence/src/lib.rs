@@ -13,6 +13,7 @@
 
 mod asset;
 mod compare;
+mod completions;
 mod conclude;
 mod condition;
 mod description;
@@ -64,9 +65,9 @@ pub use exploration::{
 };
 pub use failure::{EpisodeFailures, FailureKind};
 pub use finding::{
-    ConstantInterval, CredibleInterval, Denominator, EndDistribution, Finding, FormDifference,
-    Guarantee, Measure, MethodAnswer, Reading, RobustBounds, SchedulerEnds, Spread, Subject,
-    WorstCase,
+    Completions, ConstantInterval, CredibleInterval, Denominator, EndDistribution, Finding,
+    FormDifference, Guarantee, Measure, MethodAnswer, Reading, RobustBounds, SchedulerEnds, Spread,
+    Subject, WorstCase,
 };
 pub use fit::{
     CalibrationReport, DirectionReport, FileReport, HeldOutRunsReport, Identification, Likeness,
@@ -75,7 +76,7 @@ pub use fit::{
 pub use interval::Interval;
 pub use ledger::{
     AlikeTrials, Calibration, ClusterTests, CommonText, CopyKind, Cost, Evidence, LineageQuestion,
-    PublishedFigure, RepeatedRows, StudyResult, TakenCorrelation,
+    PublishedFigure, RepeatedRows, SharedSeeds, StudyResult, TakenCorrelation,
 };
 pub use looks::{Look, LookedAt, Looking, Looks};
 pub use measure::{Worst, adds_up};

@@ -24,6 +24,7 @@ use crate::{Evidence, Interval, Measure, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stats::{Confidence, Sample};
+use std::rc::Rc;
 
 /// The looks at a study's counts, oldest first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -58,6 +59,9 @@ pub struct LookedAt {
     /// Independent trials that say as much; `None` if all are independent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effective_trials: Option<f64>,
+    /// Runs without a verdict that were counted both ways.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub undecided: u64,
     /// `[count, trials]` of each subject or session, where one has several trials and it is known whose. Files of older
     /// versions call it `clusters`, and have none of people whose trials all came out alike.
     #[serde(default, skip_serializing_if = "Option::is_none", alias = "clusters")]
@@ -101,6 +105,10 @@ impl Look {
                         count: *count,
                         trials: *trials,
                         effective_trials: *effective_trials,
+                        undecided: match finding.completions {
+                            Some(_) => finding.undecided,
+                            None => 0,
+                        },
                         by_subject: by_subject.clone(),
                     }),
                     _ => None,
@@ -128,16 +136,14 @@ pub(crate) fn looking(id: &str, belief: &Belief, level: Confidence) -> Option<Lo
     ) {
         return None;
     }
-    let counts = belief.counts()?;
     let look = over_looks::number(belief);
     let error = 0.5 * level.alpha();
     let estimate = belief.estimate();
-    let all = of_tests(
-        |rate| over_looks::doubts(belief, rate),
-        estimate,
-        (error, error),
-    );
-    let once = of_tests(|rate| at_one_look(&counts, rate), estimate, (error, error));
+    let at_all = |rate| worst(belief, |end| over_looks::doubts(end, rate));
+    let all = of_tests(at_all, estimate, (error, error));
+    let at_one = |end: &Belief, rate| end.counts().map_or((1.0, 1.0), |it| at_one_look(&it, rate));
+    let once = |rate| worst(belief, |end| at_one(end, rate));
+    let once = of_tests(once, estimate, (error, error));
     let in_words =
         |interval: Interval| format!("{} to {}", percent(interval.low), percent(interval.high));
     Some(Looking {
@@ -152,6 +158,17 @@ pub(crate) fn looking(id: &str, belief: &Belief, level: Confidence) -> Option<Lo
             in_words(all)
         ),
     })
+}
+
+/// The greatest p-values over all that runs without a verdict may have been.
+fn worst(belief: &Belief, doubts: impl Fn(&Belief) -> (f64, f64)) -> (f64, f64) {
+    let all = belief.ends().iter().map(doubts);
+    all.fold((0.0, 0.0), |all, one| (all.0.max(one.0), all.1.max(one.1)))
+}
+
+/// Whether a count is left out where it is written.
+fn is_none(count: &u64) -> bool {
+    *count == 0
 }
 
 /// Whether trials can be added: not to what others published.
@@ -222,6 +239,7 @@ impl Belief {
             sample,
             effective,
             clusters,
+            completions,
             ..
         } = self
         else {
@@ -233,22 +251,85 @@ impl Belief {
                 looks.push(one);
             }
         }
+        let completions = completions.map(|ends| {
+            let of = |place: usize| {
+                let then = completed(earlier, place, &ends[place]);
+                ends[place].clone().looked_at(&then)
+            };
+            Rc::new([of(0), of(1)])
+        });
         Belief::Counts {
             sample,
             effective,
             clusters,
             before: Some(looks.into()),
+            completions,
         }
+    }
+}
+
+/// What was known at earlier looks if each run without a verdict counts as at one end. A run that was undecided then and has
+/// a verdict now counts as it was decided, so that later counts always contain earlier ones.
+pub(crate) fn completed(
+    earlier: &[Option<Belief>],
+    place: usize,
+    now: &Belief,
+) -> Vec<Option<Belief>> {
+    let Belief::Counts { sample, .. } = now else {
+        return earlier.to_vec();
+    };
+    let mut next = *sample;
+    let mut found: Vec<Option<Belief>> = Vec::new();
+    for look in earlier.iter().rev() {
+        let end = look
+            .as_ref()
+            .and_then(|it| it.ends().get(place).or(it.ends().first()));
+        let end = end.and_then(|it| it.within(&next));
+        if let Some(Belief::Counts { sample, .. }) = &end {
+            next = *sample;
+        }
+        found.push(end);
+    }
+    found.reverse();
+    found
+}
+
+impl Belief {
+    /// The same with no more successes and failures than later counts have; `None` where nothing is left.
+    fn within(&self, later: &Sample) -> Option<Belief> {
+        let Belief::Counts {
+            sample, effective, ..
+        } = self
+        else {
+            return Some(self.clone());
+        };
+        if contains(later, sample) {
+            return Some(self.clone());
+        }
+        let successes = sample.successes.min(later.successes);
+        let trials = successes + sample.failures().min(later.failures());
+        let effect = effective.trials / sample.trials as f64;
+        Belief::of_counts(successes, trials, Some(effect * trials as f64)).ok()
     }
 }
 
 impl LookedAt {
     fn belief(&self) -> Option<Belief> {
         let belief = Belief::of_counts(self.count, self.trials, self.effective_trials).ok()?;
-        Some(match &self.by_subject {
+        let belief = match &self.by_subject {
             Some(by_subject) => belief.by_cluster(ByCluster::new(by_subject)),
             None => belief,
-        })
+        };
+        if self.undecided == 0 {
+            return Some(belief);
+        }
+        let all = self.trials.checked_add(self.undecided)?;
+        // At the design effect of the runs with a verdict.
+        let worth = self
+            .effective_trials
+            .map(|it| it * all as f64 / self.trials as f64);
+        let end = |count: u64| Belief::of_counts(count, all, worth).ok();
+        Some(belief.completed_by([end(self.count)?, end(self.count + self.undecided)?]))
     }
 }
 
@@ -263,6 +344,7 @@ mod tests {
             count: *count,
             trials: *trials,
             effective_trials: None,
+            undecided: 0,
             by_subject: None,
         });
         Look {

@@ -88,6 +88,7 @@ impl Finding {
             denominator: Denominator::default(),
             trigger: None,
             undecided: 0,
+            completions: None,
             witnesses: vec![],
             readings: vec![],
         }
@@ -135,6 +136,8 @@ impl Evidence {
             clusters: None,
             shared_rows: vec![],
             common_texts: Vec::new(),
+            shared_seeds: Vec::new(),
+            undecided_at_random: None,
             alike_trials: None,
             lineage_questions: vec![],
             inputs: String::new(),

@@ -21,7 +21,7 @@ use crate::{
     ClusterSensitivity, Comparison, Conclusion, Evidence, ExclusionReason, Measure, Outcome, Study,
     Verdict, compare, conclude,
 };
-use stats::{Sample, kish_design_effect};
+use stats::{Confidence, Sample, kish_design_effect};
 
 /// Trials of one person or session where the tables do not tell.
 pub const ASSUMED_GROUP: u64 = 10;
@@ -130,24 +130,39 @@ fn at(study: &Study<'_>, piece: &Evidence, correlation: f64) -> Evidence {
     if !is_unknown(piece) {
         return changed;
     }
+    let level = study.levels.confidence;
     for finding in &mut changed.findings {
-        let Measure::Counts { count, trials, .. } = finding.measure else {
-            continue;
-        };
-        if is_plain(&finding.measure) {
-            let (size, _) = group(piece, trials);
-            let worth = trials as f64 / kish_design_effect(size as f64, correlation);
-            let sample = Sample {
-                successes: count,
-                trials,
-            };
-            let level = study.levels.confidence;
-            if let Ok(measure) = Measure::of_counts(sample, Some(worth), level) {
-                finding.measure = measure;
+        let completions = finding.completions.iter_mut();
+        let ends = completions.flat_map(|it| [&mut it.lowest, &mut it.highest]);
+        for measure in ends.chain([&mut finding.measure]) {
+            if let Some(known) = measure_at(piece, measure, correlation, level) {
+                *measure = known;
             }
         }
     }
     changed
+}
+
+/// A count at what it is worth at a correlation; `None` of what is not counted as independent trials.
+fn measure_at(
+    piece: &Evidence,
+    measure: &Measure,
+    correlation: f64,
+    level: Confidence,
+) -> Option<Measure> {
+    let Measure::Counts { count, trials, .. } = *measure else {
+        return None;
+    };
+    if !is_plain(measure) {
+        return None;
+    }
+    let (size, _) = group(piece, trials);
+    let worth = trials as f64 / kish_design_effect(size as f64, correlation);
+    let sample = Sample {
+        successes: count,
+        trials,
+    };
+    Measure::of_counts(sample, Some(worth), level).ok()
 }
 
 fn sensitivity<'a>(

@@ -80,6 +80,10 @@ pub struct Comparison {
     /// no corroboration.
     #[serde(default)]
     pub possibly_copied: bool,
+    /// Whether the runs of both sides are paired: other simulators with the same seeds. Their difference is one of the
+    /// simulators, and their agreement is on the same draws.
+    #[serde(default)]
+    pub paired: bool,
     /// Up to which intraclass correlation the outcome holds, where counts enter of which it is not known whose they are.
     #[serde(default)]
     pub clustering: Option<ClusterSensitivity>,

@@ -388,7 +388,7 @@ fn outcomes(page: &mut Page, view: View) {
         .filter(|c| c.outcome == Outcome::Corroborates && !c.independent && !c.possibly_copied)
         .count();
     if fits > 0 {
-        let words = "of those that corroborate are fits: one side was tuned to the other.";
+        let words = "of those that agree are not independent: one side was tuned to the other, or both share data or draws.";
         page.item("", "", &format!("{fits} {words}"));
     }
     let copies = study.comparisons.iter();
@@ -454,9 +454,15 @@ fn questions(page: &mut Page, study: &StudyResult) {
     let pieces = study.evidence.iter();
     let all = pieces.flat_map(|piece| &piece.lineage_questions);
     let open: Vec<_> = all.filter(|question| question.is_open()).collect();
-    let (trials, copied): (Vec<_>, Vec<_>) = open
-        .into_iter()
-        .partition(|question| question.kind == CopyKind::Trials);
+    let is_of_itself = |question: &&LineageQuestion| match question.kind {
+        CopyKind::Trials | CopyKind::Recordings => true,
+        CopyKind::Constant
+        | CopyKind::Counts
+        | CopyKind::Rows
+        | CopyKind::Product
+        | CopyKind::Seeds => false,
+    };
+    let (trials, copied): (Vec<_>, Vec<_>) = open.into_iter().partition(is_of_itself);
     asked(page, "Possibly copied: state the lineage", &copied);
     asked(page, "Trials that are possibly not independent", &trials);
 }

@@ -234,7 +234,7 @@ pub fn not_shown_again() -> Mark {
 pub fn comparison(result: Outcome, independent: bool) -> Mark {
     let mut mark = outcome(result);
     if !independent && result == Outcome::Corroborates {
-        mark.word = "agrees, a fit".to_owned();
+        mark.word = "agrees, not independent".to_owned();
     }
     mark
 }

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
 
-pub use parts::{Parts, Simulated, TableFiles};
+pub use parts::{Parts, RecordingFiles, Simulated, TableFiles};
 pub use read::load;
 pub(crate) use read::schema;
 
@@ -61,6 +61,8 @@ pub struct Entry {
     pub calibrated: Vec<Calibrated>,
     /// Why it is independent of evidence from which it looks copied.
     pub independent: Independent,
+    /// Why its runs without a verdict may be left out, where the study declares that they are missing at random.
+    pub undecided_at_random: Option<String>,
     /// Figures of the source publication.
     pub published: Published,
     /// How to produce it.
@@ -276,6 +278,9 @@ pub enum Work {
         technique: evidence::Technique,
         /// Their folder, relative to the study.
         recordings: PathBuf,
+        /// Why recordings of the same messages are trials of their own, where the study declares it; else they are one.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        repeated: Option<String>,
     },
     /// What a technique does that is not built in: whoever runs the study brings it.
     Other {

@@ -29,8 +29,8 @@ mod weighing;
 pub use finding::{BenchFiles, Finding, Shows, UnknownStep};
 pub use judging_form::{FormulaRule, JudgingForm, Rule, START_WITHIN_SECS, is_name};
 pub use ledger::{
-    Calibrated, Choice, CommandText, Entry, Keep, Method, OnFailure, Parts, Simulated, TableFiles,
-    TreeEvent, UntilText, Work,
+    Calibrated, Choice, CommandText, Entry, Keep, Method, OnFailure, Parts, RecordingFiles,
+    Simulated, TableFiles, TreeEvent, UntilText, Work,
 };
 pub use parameters::StudyParameters;
 pub use requirements::{

@@ -144,6 +144,7 @@ mod tests {
             count: 88,
             trials: 100,
             effective_trials,
+            undecided: 0,
             by_subject: None,
         };
         let first = Look {

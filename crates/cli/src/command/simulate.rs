@@ -57,8 +57,12 @@ fn text(report: &SimulateReport, cost: &Cost) -> String {
     let mut text = String::new();
     for estimate in &report.estimates {
         let share = 100.0 * estimate.count as f64 / estimate.trials as f64;
+        let undecided = match estimate.undecided {
+            0 => String::new(),
+            many => format!("; {many} undecided, counted against and for"),
+        };
         text.push_str(&format!(
-            "{:<28} {:>6} of {:<6} {share:5.1} % ({:.1} to {:.1})\n",
+            "{:<28} {:>6} of {:<6} {share:5.1} % ({:.1} to {:.1}){undecided}\n",
             estimate.subject.id(),
             estimate.count,
             estimate.trials,

@@ -11,6 +11,7 @@ mod commands;
 mod conditions;
 mod copies;
 mod corridor;
+mod counted_once;
 mod cut_recordings;
 mod decision;
 mod diagnose;

@@ -121,13 +121,13 @@ impl<'a> Ready<'a> {
         before: &[Piece],
         inputs: String,
         produced: Produced,
-    ) -> Piece {
+    ) -> Result<Piece, Problem> {
         let assets = self.assets(entry).to_vec();
-        let mut piece = corroboration::piece(self.study, entry, assets, inputs, produced);
+        let mut piece = corroboration::piece(self.study, entry, assets, inputs, produced)?;
         let known = |id: &str| before.iter().map(|p| &p.evidence).find(|e| e.id == id);
         let constant = |name: &str| prepared.work.constant(name);
         piece.drifted = corroboration::drift(entry, constant, known);
-        piece
+        Ok(piece)
     }
 
     /// The hash of everything that comparing and concluding depend on.

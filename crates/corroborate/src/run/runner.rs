@@ -81,7 +81,9 @@ impl Runner<'_> {
                 (produced, how)
             }
         };
-        let piece = self.ready.piece(entry, prepared, before, inputs, produced);
+        let piece = self
+            .ready
+            .piece(entry, prepared, before, inputs, produced)?;
         self.tell(entry, &piece, &how)?;
         Ok(piece)
     }

@@ -166,7 +166,7 @@ impl Called<'_> {
         drop(stage);
         let met = until
             .as_ref()
-            .map(|it| it.is_met(finished.tally.sample(it.subject())));
+            .map(|it| it.is_met(finished.tally.completions(it.subject())));
         let verdicts = self.verdicts(&finished)?;
         // The stopping rule's own test stands in place of the other where both ask the same.
         let is_of_rule = |it: &Alone| {
@@ -309,13 +309,15 @@ impl Called<'_> {
         Ok(decided
             .filter(|(_, sample)| sample.trials > 0)
             .map(|(subject, sample)| {
-                let interval = stats::confidence_sequence(sample, level);
+                let ends = finished.tally.completions(subject);
+                let [lowest, highest] = ends.map(|end| stats::confidence_sequence(end, level));
                 EstimateReport {
                     subject: subject.clone(),
                     count: sample.successes,
                     trials: sample.trials,
-                    low: interval.low,
-                    high: interval.high,
+                    undecided: ends[0].trials - sample.trials,
+                    low: lowest.low,
+                    high: highest.high,
                 }
             })
             .collect())
@@ -325,6 +327,7 @@ impl Called<'_> {
     fn verdicts(&self, finished: &Finished) -> Result<Vec<Alone>, Problem> {
         let level = technique::confidence(self.study.about.confidence)?;
         let findings = finished.tally.findings(self.study, finished.intervals)?;
+        let findings = technique::counting_undecided(self.study, self.entry, findings)?;
         let requirements = &self.study.requirements;
         Ok(evidence::alone(
             (&self.entry.id, Step::of(self.entry.work.technique())),

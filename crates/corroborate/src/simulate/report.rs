@@ -52,6 +52,8 @@ pub struct EstimateReport {
     pub count: u64,
     /// Episodes that decide it.
     pub trials: u64,
+    /// Episodes that reached no verdict. The interval counts them against and for.
+    pub undecided: u64,
     /// The lower end of the interval at the study's level. It is of a
     /// confidence sequence, which holds however often one looks.
     pub low: f64,

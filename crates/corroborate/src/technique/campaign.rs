@@ -104,6 +104,7 @@ impl Campaigning<'_> {
             failures: finished.tally.failures(self.study, finished.intervals)?,
             clusters: None,
             alike_trials: None,
+            repeated_recordings: Vec::new(),
             influences: Vec::new(),
             cost: finished.cost,
         })

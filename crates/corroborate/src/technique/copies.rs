@@ -6,7 +6,7 @@
 //! (`experiment::repeated` by name; `experiment::renamed` by place and by content). Each possible coincidence has a
 //! probability if the sources are independent (`stats::coincidence`); one that was met is a *question* to the user if any
 //! as improbable would be met in at most [`LIMIT`] of studies of independent evidence. Beside them stand trials of one
-//! table that are alike where it does not say that they belong together (`trials`), equal seeds (`seeds`), and models of which
+//! table that are alike where it does not say that they belong together (`trials`), equal seeds (`seeds`: in tables a question, where the ledger gives them known), and models of which
 //! most was written once (`statements`), which is no question.
 //!
 //! What is improbable for its own numbers but not for all that were looked at is *noted*: it changes no outcome.
@@ -60,6 +60,7 @@ pub fn find(study: &Study, evidence: &mut [Evidence]) -> Result<(), Problem> {
     found.extend(judged(&products::candidates(study, evidence)?, evidence));
     found.extend(judged(&rows::candidates(study, evidence)?, evidence));
     found.extend(seeds::questions(study, evidence)?);
+    found.extend(seeds::fill(study, evidence));
     found.extend(trials::questions(study, evidence)?);
     statements::fill(study, evidence)?;
     for (piece, mut question) in found {

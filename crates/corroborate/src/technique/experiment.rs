@@ -123,6 +123,7 @@ impl Tables {
                 denominator: self.denominator(form),
                 trigger: self.trigger(study, &form.subject)?,
                 undecided: 0,
+                completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             });
@@ -147,6 +148,7 @@ impl Tables {
             failures: Vec::new(),
             clusters,
             alike_trials: None,
+            repeated_recordings: Vec::new(),
             influences: Vec::new(),
             cost: Cost {
                 evidence: id.to_owned(),

@@ -249,7 +249,13 @@ pub(crate) fn technique_of<'t>(
         Work::Judge {
             technique: _,
             recordings,
-        } => Box::new(recordings::JudgeRecordings { folder: recordings }),
+            repeated,
+        } => Box::new(recordings::JudgeRecordings {
+            files: study::RecordingFiles {
+                folder: recordings,
+                repeated: repeated.as_deref(),
+            },
+        }),
         Work::Other {
             technique: _,
             producer,

@@ -323,6 +323,7 @@ impl<'a> Compiled<'a> {
                 denominator: asked.denominator,
                 trigger: asked.trigger,
                 undecided: 0,
+                completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             });
@@ -349,6 +350,7 @@ impl<'a> Compiled<'a> {
             failures: Vec::new(),
             clusters: None,
             alike_trials: None,
+            repeated_recordings: Vec::new(),
             influences,
             cost,
         })
@@ -374,6 +376,7 @@ impl<'a> Compiled<'a> {
                     denominator: Denominator::default(),
                     trigger: None,
                     undecided: 0,
+                    completions: None,
                     witnesses: Vec::new(),
                     readings: Vec::new(),
                 });

@@ -6,6 +6,7 @@
 //! was kept, since what is missing may have broken it: such a trial counts if
 //! it is violated, and is undecided otherwise.
 
+use super::same_messages::{self, RepeatedRecording};
 use super::sessions::{self, Recorded};
 use super::{Produced, simulation};
 use diagnostic::Problem;
@@ -21,7 +22,7 @@ use recording::TrialPath;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Instant;
-use study::Study;
+use study::{RecordingFiles, Study};
 use temporal::monitor::Verdict;
 
 /// What a recording of `corroborate watch` says of a simulated rest.
@@ -33,15 +34,18 @@ const OUTSIDE: &str = "corroborate.watch.outside";
 /// The recordings of one entry, found and hashed.
 pub struct Recordings {
     rules: ReadingRules,
+    /// Those that count.
     trials: Vec<TrialPath>,
+    /// Those with the same messages as others.
+    repeated: Vec<RepeatedRecording>,
     /// One for each file.
     assets: Vec<Asset>,
 }
 
 impl Recordings {
-    /// Finds the recordings in `folder`, relative to the study's.
-    pub fn find(study: &Study, folder: &Path) -> Result<Self, Problem> {
-        let full = study.folder.join(folder);
+    /// Finds the recordings of an entry. Those with the same messages are one trial unless the ledger says that they are not.
+    pub fn find(study: &Study, of: RecordingFiles<'_>) -> Result<Self, Problem> {
+        let full = study.folder.join(of.folder);
         let found = recording::trials(&full)
             .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
         if found.trials.is_empty() {
@@ -53,9 +57,15 @@ impl Recordings {
         for trial in &found.trials {
             add_assets(&study.folder, &trial.path, &mut assets)?;
         }
+        let rules = ReadingRules::of_study(&study.folder, None)?;
+        let (once, repeated) = same_messages::once(found.trials.clone(), &rules.options);
         Ok(Self {
-            rules: ReadingRules::of_study(&study.folder, None)?,
-            trials: found.trials,
+            rules,
+            trials: match of.repeated {
+                Some(_) => found.trials,
+                None => once,
+            },
+            repeated,
             assets,
         })
     }
@@ -221,6 +231,7 @@ impl Recordings {
             failures: Vec::new(),
             clusters: None,
             alike_trials,
+            repeated_recordings: self.repeated.clone(),
             influences: Vec::new(),
             cost: Cost {
                 evidence: id.to_owned(),

@@ -45,7 +45,7 @@ pub fn pieces(
         }
         technique.verify(Asked { study, entry, host }, &kept, audit)?;
         let assets = assets(study, entry, claimed)?;
-        let mut piece = corroboration::piece(study, entry, assets, stored.inputs, stored.content);
+        let mut piece = corroboration::piece(study, entry, assets, stored.inputs, stored.content)?;
         piece.drifted = drifted(study, entry, &pieces)?;
         pieces.push(piece);
     }

@@ -78,6 +78,7 @@ impl<'a> Tosses<'a> {
                 denominator: Denominator::default(),
                 trigger: None,
                 undecided: 0,
+                completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             }],
@@ -86,6 +87,7 @@ impl<'a> Tosses<'a> {
             description_gaps: Vec::new(),
             clusters: None,
             alike_trials: None,
+            repeated_recordings: Vec::new(),
             influences: Vec::new(),
             cost: Cost {
                 evidence: self.asked.entry.id.clone(),

@@ -4,7 +4,9 @@ use super::by_cluster::ByCluster;
 use super::ends::{End, Ends};
 use super::quantiles::Quantiles;
 use super::uncertain::Uncertain;
-use crate::{CredibleInterval, EndDistribution, Guarantee, Measure, MethodAnswer};
+use crate::{
+    Completions, CredibleInterval, EndDistribution, Finding, Guarantee, Measure, MethodAnswer,
+};
 use stats::{BetaPosterior, Confidence, EffectiveSample, Interval, Sample};
 use std::rc::Rc;
 
@@ -46,6 +48,9 @@ pub(crate) enum Belief {
         clusters: Option<Rc<ByCluster>>,
         /// The counts at looks before this one, where trials may be added; `None` if this is the only look.
         before: Option<Rc<[CountsAtLook]>>,
+        /// The same counts with the runs that reached no verdict, as if none of them counted and as if all did; `None` where
+        /// each run has a verdict. The two have none themselves.
+        completions: Option<Rc<[Belief; 2]>>,
     },
     /// A computed probability, between these bounds.
     Known {
@@ -76,6 +81,65 @@ pub(crate) enum Belief {
 }
 
 impl Belief {
+    /// What a finding says of its rate, with the runs that reached no verdict; or in words why it says nothing.
+    pub fn of_finding(finding: &Finding) -> Result<Self, String> {
+        let belief = Self::of(&finding.measure)?;
+        match finding.completions.as_deref() {
+            Some(Completions { lowest, highest }) => {
+                let ends = [Self::of(lowest)?, Self::of(highest)?];
+                Ok(belief.completed_by(ends))
+            }
+            None => Ok(belief),
+        }
+    }
+
+    /// The same counts, of which some more runs are these at the least and at the most.
+    pub fn completed_by(self, ends: [Self; 2]) -> Self {
+        match self {
+            Self::Counts {
+                sample,
+                effective,
+                clusters,
+                before,
+                completions: _,
+            } => Self::Counts {
+                sample,
+                effective,
+                clusters,
+                before,
+                completions: Some(Rc::new(ends)),
+            },
+            other => other,
+        }
+    }
+
+    /// What is known if each run without a verdict counts one way: two beliefs, or this one where each run has a verdict.
+    /// What holds of all of them holds whatever these runs would have shown.
+    pub fn ends(&self) -> &[Self] {
+        match self {
+            Self::Counts {
+                completions: Some(ends),
+                ..
+            } => ends.as_slice(),
+            other => std::slice::from_ref(other),
+        }
+    }
+
+    /// Whether runs without a verdict count both ways.
+    pub fn has_undecided(&self) -> bool {
+        self.ends().len() > 1
+    }
+
+    /// How many runs without a verdict count both ways.
+    pub fn undecided(&self) -> u64 {
+        match (self, self.ends()) {
+            (Self::Counts { sample, .. }, [Self::Counts { sample: all, .. }, _]) => {
+                all.trials.saturating_sub(sample.trials)
+            }
+            _ => 0,
+        }
+    }
+
     /// What a measure says of its rate, or in words why it says nothing.
     pub fn of(measure: &Measure) -> Result<Self, String> {
         match measure {
@@ -116,12 +180,14 @@ impl Belief {
                 sample,
                 effective,
                 before,
+                completions,
                 ..
             } => Self::Counts {
                 sample,
                 effective,
                 clusters: Some(Rc::new(clusters)),
                 before,
+                completions,
             },
             other => other,
         }
@@ -137,7 +203,8 @@ impl Belief {
         }
     }
 
-    /// Every value that it may have as far as it says itself: of a range over all schedulers all of it, else the estimate.
+    /// Every value that it may have as far as it says itself: of a range over all schedulers all of it, of counts what the runs
+    /// without a verdict leave open, else the estimate.
     pub fn values(&self) -> Interval {
         match self {
             Self::Known {
@@ -146,6 +213,13 @@ impl Belief {
                 ..
             } => *bounds,
             Self::Range { ends, .. } if ends.is_range => ends.as_written,
+            open if open.has_undecided() => {
+                let rates = open.ends().iter().map(Self::estimate);
+                Interval {
+                    low: rates.clone().fold(1.0, f64::min),
+                    high: rates.fold(0.0, f64::max),
+                }
+            }
             other => Interval {
                 low: other.estimate(),
                 high: other.estimate(),
@@ -156,6 +230,17 @@ impl Belief {
     /// An interval of the rate: Wilson's, the bounds, or a credible interval.
     pub fn interval(&self, confidence: Confidence) -> Interval {
         match self {
+            open if open.has_undecided() => {
+                let all = open.ends().iter().map(|end| end.interval(confidence));
+                all.reduce(|one, other| Interval {
+                    low: one.low.min(other.low),
+                    high: one.high.max(other.high),
+                })
+                .unwrap_or(Interval {
+                    low: 0.0,
+                    high: 1.0,
+                })
+            }
             Self::Counts { effective, .. } => stats::wilson(*effective, confidence),
             Self::Known { bounds, .. } => *bounds,
             Self::Distribution {
@@ -242,6 +327,7 @@ fn counts(count: u64, trials: u64, effective: Option<f64>) -> Result<Belief, Str
         effective,
         clusters: None,
         before: None,
+        completions: None,
     })
 }
 

@@ -7,7 +7,8 @@
 //! `p <= a / t`, where the p-value of
 //!
 //! * a block of two pieces is that of the pair ("no difference");
-//! * a block `B` of more is `|B|` times the least p-value of one piece against all others of the block taken together;
+//! * a block of more, of which one has runs without a verdict, is the least of its pairs' times their number (Bonferroni);
+//! * any other block `B` of more is `|B|` times the least p-value of one piece against all others of the block taken together;
 //! * a partition is the least of its blocks' of two pieces or more, times their number (Bonferroni).
 //!
 //! "No difference" of a pair is rejected if every hypothesis is that has the two in one block. Its corrected p-value is
@@ -214,6 +215,13 @@ impl Group<'_> {
                 let own = |pair: &&Place| 1 << pair.pieces[0] | 1 << pair.pieces[1] == block;
                 pairs.find(own).map_or(1.0, |pair| pair.p)
             }
+            // Counts that are known up to runs without a verdict have no sum. If all have one rate, each two have.
+            _ if of(block).any(Belief::has_undecided) => {
+                let within = |pair: &&Place| pair.pieces.iter().all(|it| block >> it & 1 == 1);
+                let pairs: Vec<f64> = self.pairs.iter().filter(within).map(|it| it.p).collect();
+                let least = pairs.iter().copied().fold(1.0, f64::min);
+                (least * pairs.len() as f64).min(1.0)
+            }
             size => {
                 let places = (0..self.pieces.len()).filter(|place| block >> place & 1 == 1);
                 let against = places.map(|place| {
@@ -305,6 +313,7 @@ fn together<'b>(beliefs: impl Iterator<Item = &'b Belief>) -> Option<Belief> {
             effective,
             clusters: None,
             before: None,
+            completions: None,
         }),
     }
 }
@@ -341,6 +350,7 @@ mod tests {
             sample,
             effective: sample.into(),
             before: None,
+            completions: None,
         }
     }
 

@@ -354,6 +354,7 @@ mod tests {
             sample,
             effective: sample.into(),
             before: None,
+            completions: None,
         }
     }
 
@@ -478,6 +479,7 @@ mod tests {
             sample,
             effective,
             before: None,
+            completions: None,
         };
         let pair = Pair::new(clustered, known(0.88), 0.05);
         let plans = at(&pair, 10).plans((1.0, 1.0));

@@ -216,7 +216,7 @@ impl<'a> Conflicts<'a> {
 fn is_current(study: &Study<'_>, subject: &Subject, ids: [&String; 2]) -> bool {
     let current = crate::conclude::current_evidence(study.evidence, |piece| {
         let finding = piece.finding(subject);
-        finding.is_some_and(|finding| Belief::of(&finding.measure).is_ok())
+        finding.is_some_and(|finding| Belief::of_finding(finding).is_ok())
     });
     let is_among = |id: &String| {
         let mut current = current.iter();
@@ -232,9 +232,20 @@ fn plans(
     levels: &Conflicts<'_>,
 ) -> Option<Undecided> {
     let piece = |id: &str| study.evidence.iter().find(|piece| piece.id == id);
-    let belief = |piece: &Evidence| Belief::of(&piece.finding(&comparison.subject)?.measure).ok();
+    let belief = |piece: &Evidence| Belief::of_finding(piece.finding(&comparison.subject)?).ok();
     let (first, second) = (piece(&comparison.left)?, piece(&comparison.right)?);
     let sides = ((first, belief(first)?), (second, belief(second)?));
+    // What a plan promises would rest on runs of which nobody knows what they showed.
+    let undecided = sides.0.1.undecided() + sides.1.1.undecided();
+    if undecided > 0 {
+        comparison.reason += &format!(
+            " {} without a verdict {} both ways here: what these would have shown has to be found out before further trials \
+             are planned.",
+            counted_runs(undecided),
+            if undecided == 1 { "counts" } else { "count" }
+        );
+        return None;
+    }
     let pair = paired(study, &comparison.subject, comparison.margin, sides);
     let open = (is_open(first), is_open(second));
     let plans = Planning::new(&pair, &study.levels, levels.level(comparison))
@@ -285,6 +296,14 @@ fn runs_per_trial(piece: &Evidence, subject: &Subject) -> f64 {
     match own {
         0 => 1.0,
         own => runs as f64 / own as f64,
+    }
+}
+
+/// `1 run` or `3 runs`.
+fn counted_runs(count: u64) -> String {
+    match count {
+        1 => "1 run".to_owned(),
+        many => format!("{many} runs"),
     }
 }
 

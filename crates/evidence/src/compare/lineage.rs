@@ -158,6 +158,7 @@ impl<'a> Lineage<'a> {
     /// Why two pieces of evidence are not independent on a subject; `None` if they are.
     pub fn dependence(&self, first: &str, second: &str, subject: &Subject) -> Option<String> {
         self.known_dependence(first, second, subject)
+            .or_else(|| self.data.paired(first, second).map(str::to_owned))
             .or_else(|| self.possible_copy(first, second, subject))
     }
 
@@ -171,9 +172,21 @@ impl<'a> Lineage<'a> {
             .or_else(|| self.shared_data((first, &ours), (second, &theirs)))
     }
 
+    /// Why two pieces have the same runs, so that there is nothing to compare; `None` if they do not.
+    pub fn same_runs(&self, first: &str, second: &str) -> Option<String> {
+        self.data.same_runs(first, second).map(str::to_owned)
+    }
+
+    /// Whether two pieces are dependent because their runs have the same seeds, and for no other reason that is known.
+    pub fn is_paired(&self, first: &str, second: &str, subject: &Subject) -> bool {
+        self.known_dependence(first, second, subject).is_none()
+            && self.data.paired(first, second).is_some()
+    }
+
     /// Whether two pieces are dependent only because one looks copied from the other.
     pub fn is_possible_copy(&self, first: &str, second: &str, subject: &Subject) -> bool {
         self.known_dependence(first, second, subject).is_none()
+            && self.data.paired(first, second).is_none()
             && self.possible_copy(first, second, subject).is_some()
     }
 
@@ -348,6 +361,8 @@ mod tests {
             clusters: None,
             shared_rows: Vec::new(),
             common_texts: Vec::new(),
+            shared_seeds: Vec::new(),
+            undecided_at_random: None,
             alike_trials: None,
             lineage_questions: Vec::new(),
             inputs: String::new(),
@@ -449,6 +464,33 @@ mod tests {
                 .starts_with("they rest on A and B, and 11 of")
         );
         assert_eq!(words("A", "D"), None);
+    }
+
+    /// The same runs are one piece told twice; runs of another simulator with the same seeds are paired.
+    #[test]
+    fn runs_with_the_same_seeds_are_no_two_samples() {
+        let ledger = |same_runs: bool| {
+            let mut second = piece("B", &[]);
+            second.shared_seeds = vec![crate::SharedSeeds {
+                with: "A".to_owned(),
+                of: "A".to_owned(),
+                same_runs,
+            }];
+            [piece("A", &[]), second, piece("C", &[])]
+        };
+        let influences = Influences::default();
+        let subject = mode("slip");
+        for same_runs in [true, false] {
+            let ledger = ledger(same_runs);
+            let lineage = Lineage::new(&ledger, &influences);
+            let words = lineage.dependence("B", "A", &subject).unwrap();
+            assert!(words.contains("the seeds of A"), "{words}");
+            assert_eq!(words.contains("are the same runs"), same_runs, "{words}");
+            assert_eq!(lineage.same_runs("A", "B").is_some(), same_runs);
+            assert_eq!(lineage.is_paired("A", "B", &subject), !same_runs);
+            assert!(!lineage.is_possible_copy("A", "B", &subject));
+            assert_eq!(lineage.dependence("A", "C", &subject), None);
+        }
     }
 
     /// A number that looks copied, undeclared: open, settled, and only noted.

@@ -5,6 +5,7 @@ use super::by_likelihood::PairByLikelihood;
 use super::ends::{self, End, PlannedSide};
 use super::past::{Asked, Before, Past};
 use super::uncertain::Uncertain;
+use crate::looks::completed;
 use stats::{
     BetaPosterior, Confidence, DifferenceVariance, EffectiveSample, Interval, PosteriorPlaces,
     Sample, binomial_test_above, binomial_test_below, binomial_test_two_sided, boschloo_exact,
@@ -33,11 +34,24 @@ pub(super) struct Pair {
     by_likelihood: OnceCell<PairByLikelihood>,
     /// This pair's uncertain side, for plans.
     places_of_next: OnceCell<Option<Rc<PlannedSide>>>,
+    /// The pairs of what each side may be where it has runs without a verdict; none where each run has one.
+    ends: Vec<Pair>,
 }
 
 impl Pair {
     pub fn new(first: Belief, second: Belief, margin: f64) -> Self {
+        let has_undecided = first.has_undecided() || second.has_undecided();
+        let pairs = |_: ()| {
+            let firsts = first.ends().iter();
+            let with_all = |one: &Belief| {
+                let seconds = second.ends().iter().cloned();
+                let pairs = seconds.map(|other| Self::new(one.clone(), other, margin));
+                pairs.collect::<Vec<Self>>()
+            };
+            firsts.flat_map(with_all).collect()
+        };
         Self {
+            ends: has_undecided.then_some(()).map(pairs).unwrap_or_default(),
             first,
             second,
             margin,
@@ -49,8 +63,29 @@ impl Pair {
         }
     }
 
+    /// The greatest of a p-value over all that runs without a verdict may have been; `None` where each run has one.
+    fn over_ends(&self, p: impl Fn(&Self) -> f64) -> Option<f64> {
+        (!self.ends.is_empty()).then(|| self.ends.iter().map(p).fold(0.0, f64::max))
+    }
+
+    /// Whether the rates of both sides may be the same for what runs without a verdict may have been.
+    fn may_be_equal(&self) -> bool {
+        let (first, second) = (self.first.values(), self.second.values());
+        first.low <= second.high && second.low <= first.high
+    }
+
     /// The same after looks at some of the same trials, to be looked at again with more.
     pub fn looked_at(mut self, before: Before) -> Self {
+        let seconds = self.second.ends().len();
+        let ends = std::mem::take(&mut self.ends).into_iter().enumerate();
+        let looked_at = |(place, end): (usize, Self)| {
+            let then = [
+                completed(&before[0], place / seconds, &end.first),
+                completed(&before[1], place % seconds, &end.second),
+            ];
+            end.looked_at(then)
+        };
+        self.ends = ends.map(looked_at).collect();
         let past = Past::new(&before, self.margin);
         self.past = Some((before, past));
         self
@@ -139,9 +174,13 @@ impl Pair {
         self.margin
     }
 
-    /// Second minus first; of a range over all schedulers, its value that is nearest to the other.
+    /// Second minus first; of a range over all schedulers, its value that is nearest to the other. Of counts those with a
+    /// verdict.
     pub fn difference(&self) -> f64 {
-        let (first, second) = self.nearest();
+        let (first, second) = match self.ends.is_empty() {
+            true => self.nearest(),
+            false => nearest(decided(&self.first), decided(&self.second)),
+        };
         second - first
     }
 
@@ -162,24 +201,30 @@ impl Pair {
         )
     }
 
-    /// The estimates; of ranges, their values that are nearest to each other.
+    /// The estimates; of ranges, and of what runs without a verdict leave open, their values that are nearest to each other.
     fn nearest(&self) -> (f64, f64) {
-        let (first, second) = (self.first.values(), self.second.values());
-        let at = |of: &Interval, other: f64| of.low.max(other.min(of.high));
-        if first.low >= first.high {
-            return (first.low, at(&second, first.low));
-        }
-        let nearest = at(&second, at(&first, second.low));
-        (at(&first, nearest), nearest)
+        nearest(self.first.values(), self.second.values())
     }
 
-    /// Whether the estimates are less than the margin apart.
+    /// Whether the estimates are less than the margin apart; with runs without a verdict, whether they may be.
     pub fn is_inside_margin(&self) -> bool {
+        let (first, second) = self.nearest();
         // Estimates that are the margin apart but for rounding are not less than it apart.
-        self.difference().abs() + 1e-12 < self.margin
+        (second - first).abs() + 1e-12 < self.margin
     }
 
     pub fn difference_interval(&self, confidence: Confidence) -> Interval {
+        let ends = self
+            .ends
+            .iter()
+            .map(|it| it.difference_interval(confidence));
+        let hull = ends.reduce(|one, other| Interval {
+            low: one.low.min(other.low),
+            high: one.high.max(other.high),
+        });
+        if let Some(hull) = hull {
+            return hull;
+        }
         let (first, second) = self.nearest();
         let side = |belief: &Belief, nearest: f64| match belief {
             Belief::Known { is_range: true, .. } => (
@@ -199,6 +244,9 @@ impl Pair {
 
     /// p-value of "no difference", or twice the smaller posterior tail, over all looks.
     pub fn p_difference(&self) -> f64 {
+        if let Some(greatest) = self.over_ends(Self::p_difference) {
+            return if self.may_be_equal() { 1.0 } else { greatest };
+        }
         self.over_looks(Asked::Difference, self.p_difference_once())
     }
 
@@ -208,14 +256,20 @@ impl Pair {
             .max(self.by_likelihood().difference)
     }
 
-    /// What counts by subject say of it, if it is the only look.
+    /// What counts by subject say of it, if it is the only look and each run has a verdict; the ends say it of themselves.
     pub fn by_likelihood(&self) -> &PairByLikelihood {
-        let of = || PairByLikelihood::of(&self.first, &self.second, self.margin);
+        let of = || match self.ends.is_empty() {
+            true => PairByLikelihood::of(&self.first, &self.second, self.margin),
+            false => PairByLikelihood::default(),
+        };
         self.by_likelihood.get_or_init(of)
     }
 
     fn p_difference_at_size(&self) -> f64 {
         use Belief::{Counts, Known};
+        if let Some(greatest) = self.over_ends(Self::p_difference_once) {
+            return if self.may_be_equal() { 1.0 } else { greatest };
+        }
         if let Some((places, counts)) = self.planned() {
             return places.p_difference(&counts);
         }
@@ -266,12 +320,19 @@ impl Pair {
     /// Fisher's p-value of "no difference" between two counts: known everywhere, quickly found, and
     /// never below the one that decides.
     pub fn p_by_fisher(&self) -> Option<f64> {
+        // With runs without a verdict there is one p-value, the greatest.
+        if !self.ends.is_empty() {
+            return None;
+        }
         let once = self.p_by_fisher_once()?;
         Some(self.over_looks(Asked::DifferenceByFisher, once))
     }
 
     /// The same if this was the only look.
     pub fn p_by_fisher_once(&self) -> Option<f64> {
+        if !self.ends.is_empty() {
+            return None;
+        }
         match (&self.first, &self.second) {
             (
                 Belief::Counts {
@@ -295,6 +356,10 @@ impl Pair {
     /// p-value of "the difference is the margin or more"; `None` where a side is a distribution
     /// and a posterior probability takes its place.
     pub fn p_equivalence(&self) -> Option<f64> {
+        let ends = self.ends.iter().map(Self::p_equivalence);
+        if let Some(greatest) = greatest(ends) {
+            return greatest;
+        }
         let once = self.p_equivalence_once()?;
         Some(self.over_looks(Asked::Equivalence, once))
     }
@@ -314,6 +379,10 @@ impl Pair {
 
     fn p_equivalence_at_size(&self) -> Option<f64> {
         use Belief::{Counts, Known};
+        let ends = self.ends.iter().map(Self::p_equivalence_once);
+        if let Some(greatest) = greatest(ends) {
+            return greatest;
+        }
         match (&self.first, &self.second) {
             (
                 Counts {
@@ -367,6 +436,9 @@ impl Pair {
 
     /// Posterior probability that the difference is below the margin, no more than counts by subject let it be.
     pub fn probability_within(&self) -> f64 {
+        if let Some(beyond) = self.over_ends(|end| 1.0 - end.probability_within()) {
+            return 1.0 - beyond;
+        }
         let by_likelihood = 1.0 - self.by_likelihood().equivalence;
         self.probability_within_at_size().min(by_likelihood)
     }
@@ -430,6 +502,9 @@ impl Pair {
 
     /// Whether equivalence is shown, of the p-value where there is one and by the posterior probability otherwise.
     pub fn is_shown(&self, p_equivalence: Option<f64>, level: Confidence) -> bool {
+        if p_equivalence.is_none() && !self.ends.is_empty() {
+            return self.ends.iter().all(|end| end.is_shown(None, level));
+        }
         if let (None, Some((_, past))) = (p_equivalence, &self.past) {
             let once = self.doubt_of_equivalence_once();
             return past.shows(self, Asked::Equivalence, once, level.alpha());
@@ -439,6 +514,32 @@ impl Pair {
             None => self.probability_within() >= level.level(),
         }
     }
+}
+
+/// The values of two intervals that are nearest to each other.
+fn nearest(first: Interval, second: Interval) -> (f64, f64) {
+    let at = |of: &Interval, other: f64| of.low.max(other.min(of.high));
+    if first.low >= first.high {
+        return (first.low, at(&second, first.low));
+    }
+    let nearest = at(&second, at(&first, second.low));
+    (at(&first, nearest), nearest)
+}
+
+/// The values of a side without its runs that reached no verdict.
+fn decided(belief: &Belief) -> Interval {
+    match belief.has_undecided() {
+        true => Interval {
+            low: belief.estimate(),
+            high: belief.estimate(),
+        },
+        false => belief.values(),
+    }
+}
+
+/// The greatest of p-values, `None` of these where one has none; `None` where there are none at all.
+fn greatest(all: impl Iterator<Item = Option<f64>>) -> Option<Option<f64>> {
+    all.reduce(|one, other| Some(one?.max(other?)))
 }
 
 /// Whether every value between the ends of a side is one that its model allows.
@@ -570,194 +671,4 @@ fn within_for_certain(first: &Belief, second: &Belief, margin: f64) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use stats::special::binomial_pmf;
-
-    fn counts(successes: u64, trials: u64) -> Belief {
-        let sample = Sample { successes, trials };
-        Belief::Counts {
-            clusters: None,
-            sample,
-            effective: sample.into(),
-            before: None,
-        }
-    }
-
-    fn known(value: f64) -> Belief {
-        Belief::Known {
-            value,
-            bounds: Interval {
-                low: value,
-                high: value,
-            },
-            is_range: false,
-        }
-    }
-
-    fn distribution(alpha: f64, beta: f64) -> Belief {
-        let posterior = BetaPosterior::new(alpha, beta).unwrap();
-        Belief::Distribution {
-            value: posterior.mean(),
-            posterior,
-            quantiles: None,
-        }
-    }
-
-    /// At the edge of the margin, agreement with a known probability is shown with probability at
-    /// most 5 %, by summing over all counts.
-    #[test]
-    fn false_agreement_with_a_known_probability_is_rare() {
-        for (value, margin) in [(0.9, 0.1), (1.0, 0.05), (0.5, 0.2), (0.03, 0.1)] {
-            for truth in [value - margin, value + margin] {
-                for trials in [1_u64, 10, 59, 200] {
-                    if !(0.0..=1.0).contains(&truth) {
-                        continue;
-                    }
-                    let shown = |s: &u64| {
-                        let pair = Pair::new(counts(*s, trials), known(value), margin);
-                        pair.shows_agreement(Confidence::P95)
-                    };
-                    let chance: f64 = (0..=trials)
-                        .filter(shown)
-                        .map(|s| binomial_pmf(s, trials, truth))
-                        .sum();
-                    assert!(
-                        chance <= 0.05 + 1e-9,
-                        "{value} {margin} {truth} {trials}: {chance}"
-                    );
-                }
-            }
-        }
-    }
-
-    /// Without a difference, one is found with probability at most 5 %, by summing over all pairs
-    /// of counts.
-    #[test]
-    fn false_differences_between_counts_are_rare() {
-        let (n, m) = (12_u64, 20_u64);
-        for truth in [0.02, 0.3, 0.5, 0.88] {
-            let mut chance = 0.0;
-            for a in 0..=n {
-                for b in 0..=m {
-                    let pair = Pair::new(counts(a, n), counts(b, m), 0.1);
-                    if pair.p_difference() <= 0.05 {
-                        chance += binomial_pmf(a, n, truth) * binomial_pmf(b, m, truth);
-                    }
-                }
-            }
-            assert!(chance <= 0.05, "{truth}: {chance}");
-        }
-    }
-
-    #[test]
-    fn known_probabilities_agree_or_differ_for_certain() {
-        let bounded = Belief::Known {
-            value: 0.5,
-            bounds: Interval {
-                low: 0.49,
-                high: 0.51,
-            },
-            is_range: false,
-        };
-        let near = Pair::new(known(0.52), bounded.clone(), 0.05);
-        assert_eq!(
-            (near.p_difference(), near.p_equivalence()),
-            (0.0, Some(0.0))
-        );
-        let same = Pair::new(known(0.5), bounded.clone(), 0.05);
-        assert_eq!((same.p_difference(), same.probability_within()), (1.0, 1.0));
-        let vague = Pair::new(known(0.5), bounded, 0.005);
-        assert!(!vague.shows_agreement(Confidence::P95));
-    }
-
-    #[test]
-    fn distributions_are_judged_by_their_posterior() {
-        let pair = Pair::new(known(1.0), distribution(86.7, 13.3), 0.1);
-        assert_eq!(pair.p_difference(), 0.0);
-        assert_eq!(pair.p_equivalence(), None);
-        assert!(!pair.shows_agreement(Confidence::P95));
-        let same = Pair::new(distribution(500.0, 500.0), distribution(500.0, 500.0), 0.1);
-        assert!((same.p_difference() - 1.0).abs() < 1e-9);
-        assert!(same.shows_agreement(Confidence::P95));
-    }
-
-    #[test]
-    fn clustering_makes_both_claims_harder() {
-        let sample = Sample {
-            successes: 88,
-            trials: 100,
-        };
-        let effective = EffectiveSample::at_size(sample, 55.0).unwrap();
-        let clustered = || Belief::Counts {
-            clusters: None,
-            sample,
-            effective,
-            before: None,
-        };
-        for other in [counts(439, 500), known(0.95), counts(60, 100)] {
-            let plain = Pair::new(counts(88, 100), other.clone(), 0.1);
-            let cautious = Pair::new(clustered(), other, 0.1);
-            assert!(cautious.p_difference() >= plain.p_difference());
-            // Beyond the margin there is nothing to show, and less certainty looks like less of it.
-            if plain.difference().abs() < 0.1 {
-                assert!(cautious.p_equivalence() > plain.p_equivalence());
-            }
-        }
-    }
-
-    fn range(low: f64, high: f64) -> Belief {
-        Belief::Known {
-            value: low,
-            bounds: Interval { low, high },
-            is_range: true,
-        }
-    }
-
-    /// Counts differ from a decision process beyond chance, or agree with it, each with probability at most 5 % where it
-    /// is not so: at an end of the range, and a margin beyond it, by summing over all counts.
-    #[test]
-    fn false_claims_about_a_range_are_rare() {
-        for (low, high, margin) in [(0.6, 0.9, 0.1), (0.0, 0.5, 0.05), (0.93, 1.0, 0.1)] {
-            let pair = |s: u64, trials| Pair::new(counts(s, trials), range(low, high), margin);
-            for trials in [1_u64, 10, 59, 200] {
-                let chance = |truth: f64, claim: &dyn Fn(&Pair) -> bool| -> f64 {
-                    let claimed = (0..=trials).filter(|s| claim(&pair(*s, trials)));
-                    claimed.map(|s| binomial_pmf(s, trials, truth)).sum()
-                };
-                for truth in [low, 0.5 * (low + high), high] {
-                    let conflict = chance(truth, &|pair| pair.p_difference() <= 0.05);
-                    assert!(conflict <= 0.05 + 1e-9, "{truth} {trials}: {conflict}");
-                }
-                for truth in [low - margin, high + margin] {
-                    if (0.0..=1.0).contains(&truth) {
-                        let agree = chance(truth, &|p| p.shows_agreement(Confidence::P95));
-                        assert!(agree <= 0.05 + 1e-9, "{truth} {trials}: {agree}");
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn ranges_are_compared_by_their_nearest_values() {
-        let inside = Pair::new(counts(75, 100), range(0.6, 0.9), 0.05);
-        assert_eq!((inside.difference(), inside.p_difference()), (0.0, 1.0));
-        assert!(inside.shows_agreement(Confidence::P95));
-        let below = Pair::new(range(0.6, 0.9), counts(40, 100), 0.05);
-        assert!((below.difference() + 0.2).abs() < 1e-12);
-        assert!(below.p_difference() < 1e-3);
-        let apart = Pair::new(range(0.1, 0.2), range(0.5, 0.9), 0.05);
-        assert!((apart.difference() - 0.3).abs() < 1e-12);
-        assert_eq!(apart.p_difference(), 0.0);
-        // That they overlap does not make them agree.
-        let overlap = Pair::new(range(0.1, 0.6), range(0.5, 0.9), 0.05);
-        assert_eq!((overlap.difference(), overlap.p_difference()), (0.0, 1.0));
-        assert!(!overlap.shows_agreement(Confidence::P95));
-        let same = Pair::new(range(0.1, 0.6), range(0.12, 0.58), 0.05);
-        assert!(same.shows_agreement(Confidence::P95));
-        let point = Pair::new(known(0.62), range(0.1, 0.6), 0.05);
-        assert!(point.shows_agreement(Confidence::P95));
-        assert!((point.difference() + 0.02).abs() < 1e-12);
-    }
-}
+mod tests;

@@ -246,6 +246,7 @@ mod tests {
             denominator,
             trigger: trigger.map(Box::new),
             undecided: 0,
+            completions: None,
             witnesses: vec![],
             readings: vec![],
         }

@@ -3,20 +3,28 @@
 //! # Definition
 //! Two pieces share data if both rest on a table or recording of the same content (the same hash), under whatever name, or
 //! if a table of the one repeats rows of a table of the other beyond chance ([`crate::Evidence::shared_rows`]), or most of
-//! their models was written once ([`crate::Evidence::common_texts`]).
+//! their models was written once ([`crate::Evidence::common_texts`]), or if both have the same runs of one simulator
+//! ([`crate::Evidence::shared_seeds`]).
 //! Then some trials are the trials of both, so that they agree whatever the truth is.
 //!
 //! # Guarantee
 //! Rows are compared of tables of people or sessions (`stats::shared_rows` has the chance); totals of which the tables do
 //! not say who did what are compared as whole files, and a recording that was written anew is not found. Episodes of two
-//! entries of a ledger never have the same seeds, which follow from the entries' identifiers.
+//! entries of a ledger have the same seeds only where one is given those of the other. Runs of other simulators with the same
+//! seeds are *paired*: they share their draws and nothing else.
 
-use crate::{AssetRole, CommonText, Evidence, RepeatedRows};
+use crate::{AssetRole, CommonText, Evidence, RepeatedRows, SharedSeeds};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What pairs of evidence share, in words, by their identifiers in order.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SharedData(BTreeMap<(String, String), String>);
+pub(super) struct SharedData {
+    data: BTreeMap<(String, String), String>,
+    /// Pairs that have the same runs, and why.
+    same_runs: BTreeMap<(String, String), String>,
+    /// Pairs of which each run has its counterpart, and why.
+    paired: BTreeMap<(String, String), String>,
+}
 
 impl SharedData {
     pub fn of(evidence: &[Evidence]) -> Self {
@@ -54,13 +62,43 @@ impl SharedData {
             let texts = piece.common_texts.iter();
             texts.map(|text| (ordered(&piece.id, &text.with), text_in_words(text)))
         });
-        // Of a pair that shares a whole file, too, that is said.
-        Self(texts.chain(repeated).chain(whole).collect())
+        let seeds = |same_runs: bool| {
+            let pieces = evidence.iter().flat_map(move |piece| {
+                let seeds = piece.shared_seeds.iter();
+                seeds.filter(move |it| it.same_runs == same_runs).map(|it| {
+                    let pair = ordered(&piece.id, &it.with);
+                    let words = seeds_in_words(&piece.id, it);
+                    (pair, words)
+                })
+            });
+            pieces.collect::<Vec<_>>()
+        };
+        Self {
+            // Of a pair that shares a whole file, too, that is said.
+            data: texts
+                .chain(repeated)
+                .chain(whole)
+                .chain(seeds(true))
+                .collect(),
+            same_runs: seeds(true).into_iter().collect(),
+            paired: seeds(false).into_iter().collect(),
+        }
+    }
+
+    /// Why two pieces have the same runs; `None` if they do not.
+    pub fn same_runs(&self, first: &str, second: &str) -> Option<&str> {
+        let found = self.same_runs.get(&ordered(first, second));
+        found.map(String::as_str)
+    }
+
+    /// Why the runs of two pieces are paired; `None` if they are not.
+    pub fn paired(&self, first: &str, second: &str) -> Option<&str> {
+        self.paired.get(&ordered(first, second)).map(String::as_str)
     }
 
     /// What two pieces share; `None` if nothing that is known.
     pub fn between(&self, first: &str, second: &str) -> Option<&str> {
-        self.0.get(&ordered(first, second)).map(String::as_str)
+        self.data.get(&ordered(first, second)).map(String::as_str)
     }
 }
 
@@ -75,6 +113,22 @@ fn rows_in_words(rows: &RepeatedRows) -> String {
          the same trials or the same people",
         rows.same, rows.common, rows.chance
     )
+}
+
+fn seeds_in_words(id: &str, seeds: &SharedSeeds) -> String {
+    let SharedSeeds {
+        with,
+        of,
+        same_runs,
+    } = seeds;
+    match same_runs {
+        true => format!(
+            "{with} and {id} are the same runs: one simulator, one stimulus, and the seeds of {of}"
+        ),
+        false => format!(
+            "runs of {with} and {id} are paired, since both have the seeds of {of} and draw the same random numbers"
+        ),
+    }
 }
 
 fn text_in_words(text: &CommonText) -> String {

@@ -132,7 +132,7 @@ fn pieces<'a>(evidence: &'a [Evidence], subject: &Subject) -> Vec<(&'a Evidence,
     for piece in evidence {
         let belief = piece
             .finding(subject)
-            .and_then(|f| Belief::of(&f.measure).ok());
+            .and_then(|f| Belief::of_finding(f).ok());
         if let (Some(belief), false, None) = (belief, piece.intermediate, &piece.reproduced_by) {
             by_conditions
                 .entry(&piece.conditions)
@@ -147,6 +147,8 @@ fn pieces<'a>(evidence: &'a [Evidence], subject: &Subject) -> Vec<(&'a Evidence,
 fn spreading(pieces: &[(&Evidence, Belief)], confidence: Confidence) -> Option<Spreading> {
     let samples: Vec<EffectiveSample> = pieces
         .iter()
+        // Rates that are known up to runs without a verdict may be one where those that are counted are not.
+        .filter(|(_, b)| !b.has_undecided())
         .filter_map(|(_, b)| b.worth_in_counts())
         .collect();
     let found = stats::heterogeneity(&samples).ok()?;

@@ -47,7 +47,7 @@ pub fn alone(
         let threshold = requirement.threshold?;
         let own = of(&Subject::Requirement(requirement.id.clone()));
         let finding = own.or_else(|| of(&quantity(requirements, requirement)))?;
-        let (verdict, words) = match (&finding.measure, Belief::of(&finding.measure)) {
+        let (verdict, words) = match (&finding.measure, Belief::of_finding(finding)) {
             (Measure::NotExpressible { .. }, _) => return None,
             (_, Ok(belief)) => {
                 let trigger = requirement.trigger.as_deref();
@@ -108,6 +108,7 @@ mod tests {
             denominator: crate::Denominator::default(),
             trigger: None,
             undecided: 0,
+            completions: None,
             witnesses: Vec::new(),
             readings: Vec::new(),
         }

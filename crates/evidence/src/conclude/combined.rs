@@ -296,7 +296,9 @@ fn chosen<'a>(
         .into_iter()
         .map(|piece| piece.evidence.id.as_str())
         .collect();
-    let free = independent_among(pieces, places.collect(), lineage, quantity);
+    let places: Vec<usize> = places.collect();
+    let are_several = places.len() > 1;
+    let free = independent_among(pieces, places, lineage, quantity);
     let mut chosen = Vec::new();
     for (index, piece) in pieces.iter().enumerate() {
         let id = piece.evidence.id.clone();
@@ -305,6 +307,9 @@ fn chosen<'a>(
             _ if weight <= 0.0 => "has a declared weight of 0",
             Some(_) if is_trial(piece.evidence) && piece.evidence.is_of_one_subject() => {
                 "is of one person or session alone"
+            }
+            Some(_) if are_several && piece.belief.has_undecided() => {
+                "has runs without a verdict, which count both ways"
             }
             Some(_) if !same_runs.contains(&id.as_str()) => "is over other runs",
             Some(_) if !free.contains(&index) => "rests on the counts of a piece that is combined",

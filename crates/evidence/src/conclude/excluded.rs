@@ -3,8 +3,8 @@
 //! # Definition
 //! Every piece of the ledger with a finding on a requirement either takes part in its conclusion or is listed here with the
 //! reason. One that takes part below the step that the requirement needs, and does not carry over to it, is listed, too: it
-//! is judged, and does not count there. Runs of a piece that reached no verdict count neither way and are listed by
-//! piece. For trials of the system that the study marks as intermediate, the verdict with them is found: they are not
+//! is judged, and does not count there. Runs of a piece that reached no verdict are listed by
+//! piece, with what they count for. For trials of the system that the study marks as intermediate, the verdict with them is found: they are not
 //! refined by what comes later, so leaving them out has to be seen.
 
 use super::judge::{Asked, Level};
@@ -56,23 +56,34 @@ pub(super) fn excluded(
 pub(super) fn excluded_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<ExcludedTrials> {
     let pieces = study.evidence.iter();
     let undecided = pieces.filter_map(|piece| {
-        let trials = found(asked, piece)?.undecided;
+        let finding = found(asked, piece)?;
+        let trials = finding.undecided;
         (trials > 0).then(|| ExcludedTrials {
             evidence: piece.id.clone(),
             trials,
-            words: match trials {
-                1 => format!(
-                    "1 run of {} reached no verdict and counts neither way.",
-                    piece.id
-                ),
-                many => format!(
-                    "{many} runs of {} reached no verdict and count neither way.",
-                    piece.id
-                ),
-            },
+            words: undecided_in_words(piece, finding),
         })
     });
     undecided.chain(replaced_trials(study, asked)).collect()
+}
+
+/// What became of runs that reached no verdict.
+fn undecided_in_words(piece: &Evidence, finding: &Finding) -> String {
+    let (runs, they) = match finding.undecided {
+        1 => ("1 run".to_owned(), "it is"),
+        many => (format!("{many} runs"), "they are"),
+    };
+    let id = &piece.id;
+    match (&finding.completions, &piece.undecided_at_random) {
+        (Some(_), _) => format!(
+            "{runs} of {id} reached no verdict: {they} counted against and for, so that the limits hold whatever they would have \
+             shown."
+        ),
+        (None, Some(reason)) => format!(
+            "{runs} of {id} reached no verdict and {they} left out, declared to be missing at random (\"{reason}\")."
+        ),
+        (None, None) => format!("{runs} of {id} reached no verdict and {they} left out."),
+    }
 }
 
 /// Trials that earlier looks saw and the present counts do not contain: of several sequences the last is judged, and no error

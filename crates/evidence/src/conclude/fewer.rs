@@ -37,6 +37,9 @@ pub(super) fn better_without_one(
 
 /// Trials of the subject without whom the limit would be better.
 fn trials_of_harmful(belief: &Belief, direction: Direction, level: f64) -> Option<u64> {
+    if belief.has_undecided() {
+        return None;
+    }
     let now = belief.counts()?;
     let found = now.clusters.as_ref()?.found()?;
     let contrary = |it: &Sample| match direction {

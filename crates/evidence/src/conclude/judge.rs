@@ -112,7 +112,8 @@ impl<'a> Asked<'a> {
     pub fn conflicts(&self) -> Vec<(String, String)> {
         let conflicts = self.among.iter();
         conflicts
-            .filter(|it| it.outcome == Outcome::Conflicts && it.independent)
+            // Runs with the same draws differ by what draws them not alike: the more a conflict.
+            .filter(|it| it.outcome == Outcome::Conflicts && (it.independent || it.paired))
             .map(|it| (it.left.clone(), it.right.clone()))
             .collect()
     }

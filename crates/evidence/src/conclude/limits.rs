@@ -95,6 +95,7 @@ mod tests {
             sample,
             effective: sample.into(),
             before: None,
+            completions: None,
         };
         let threshold = Threshold {
             direction: Direction::AtLeast,

@@ -124,8 +124,16 @@ pub(super) fn standing(p_not_met: f64, p_met: f64, levels: ClaimLevels) -> Stand
 }
 
 /// How far the evidence doubts that the threshold is met, and that it is missed: p-values or
-/// posterior probabilities of the contrary.
+/// posterior probabilities of the contrary. Of counts with runs that reached no verdict the greatest of all that these may
+/// have been.
 pub(super) fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
+    let of_ends = belief.ends().iter().map(|end| doubts_of(end, threshold));
+    // Whatever the runs without a verdict would have shown.
+    of_ends.fold((0.0, 0.0), |all, one| (all.0.max(one.0), all.1.max(one.1)))
+}
+
+/// The same where each run has a verdict.
+fn doubts_of(belief: &Belief, threshold: Threshold) -> (f64, f64) {
     let Threshold { direction, value } = threshold;
     let (at_least, at_most) = match belief {
         Belief::Counts {
@@ -266,6 +274,7 @@ mod tests {
             effective: sample.into(),
             clusters: None,
             before: None,
+            completions: None,
         }
     }
 

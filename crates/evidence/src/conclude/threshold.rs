@@ -124,6 +124,12 @@ fn why_not_planned(
             "All trials of {} are of one person or session; more of the same one decide nothing of others.",
             piece.evidence.id
         ),
+        Some(piece) if piece.belief.has_undecided() => format!(
+            "{} of {} reached no verdict and count both ways: what they would have shown has to be found out before further trials \
+             are planned. Or declare in ledger.toml why they are missing at random: `undecided_at_random = \"reason\"`.",
+            piece.belief.undecided(),
+            piece.evidence.id
+        ),
         Some(piece) if is_open(piece.evidence) => format!(
             "Trials of {} are alike within people, and what decides weighs each person's counts and the looks before: how many \
              more would decide cannot be said beforehand. Further people tell more than further trials of the same.",
@@ -181,6 +187,9 @@ fn plans(
     let places = (0..pieces.len()).filter(is_counted).collect();
     let free = independent_among(&pieces, places, &study.lineage(), &quantity);
     let plan = |piece: &Piece<'_>| {
+        if piece.belief.has_undecided() {
+            return None;
+        }
         let level = level_of(conclusion, &piece.evidence.id)?;
         let Belief::Counts { effective, .. } = &piece.belief else {
             return None;

@@ -26,7 +26,8 @@ pub(super) fn piece(
             before,
             ..
         } => {
-            let counts = counted((sample.successes, sample.trials), given, effective.trials);
+            let counts = counted((sample.successes, sample.trials), given, effective.trials)
+                + &counted_both_ways(belief);
             if is_certainty(threshold) {
                 let contrary = match threshold.direction {
                     Direction::AtLeast => sample.failures(),
@@ -118,6 +119,14 @@ pub(super) fn piece(
                 hypothesis(threshold, leans_to_met),
             )
         }
+    }
+}
+
+/// How many runs without a verdict count both ways, behind a count.
+fn counted_both_ways(belief: &Belief) -> String {
+    match belief.undecided() {
+        0 => String::new(),
+        many => format!(" and {many} undecided, counted against and for"),
     }
 }
 

@@ -6,6 +6,7 @@
 //!   content);
 //! * one was calibrated on the other on the subject, or both on the same counts of the subject;
 //! * something of the one looks copied from the other ([`crate::LineageQuestion`]) and the ledger has not settled it;
+//! * they are the same runs of one simulator ([`crate::SharedSeeds`]);
 //! * rows of their tables repeat each other beyond chance, or most statements of their models ([`crate::CommonText`]).
 //!
 //! The *voice* of a piece is the set of pieces that are reached from it by such pairs.
@@ -58,6 +59,10 @@ fn is_taken(copy: &Evidence, source: &Evidence, subject: &Subject) -> bool {
     calibrated
         || asked
         || copy.shared_rows.iter().any(|rows| rows.with == source.id)
+        || copy
+            .shared_seeds
+            .iter()
+            .any(|it| it.with == source.id && it.same_runs)
         || copy.common_texts.iter().any(|text| text.with == source.id)
 }
 

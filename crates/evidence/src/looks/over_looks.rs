@@ -87,6 +87,7 @@ pub(crate) fn after(now: &Belief, then: EffectiveSample) -> Belief {
         effective: if is_independent { counts.into() } else { then },
         clusters: None,
         before: Some(looks(now).into()),
+        completions: None,
     }
 }
 

@@ -19,4 +19,5 @@ mod support;
 mod suspects;
 mod techniques;
 mod triggers;
+mod undecided;
 mod verdicts;

@@ -22,8 +22,8 @@ pub struct Parts<'w> {
     pub episodes: u64,
     /// The tables from which its counts are read.
     pub tables: Option<TableFiles<'w>>,
-    /// The folder of the recordings that it judges, relative to the study.
-    pub recordings: Option<&'w Path>,
+    /// The recordings that it judges.
+    pub recordings: Option<RecordingFiles<'w>>,
     /// Whether it reads recordings through the study's `topics.toml`.
     pub uses_topics: bool,
     /// What a technique that is not built in is told.
@@ -49,6 +49,15 @@ impl<'w> TableFiles<'w> {
         let all = [self.cohort, self.requirements, self.failure_modes];
         all.into_iter().flatten()
     }
+}
+
+/// Recordings of a folder, each of which is a trial.
+#[derive(Clone, Copy, Debug)]
+pub struct RecordingFiles<'w> {
+    /// The folder, relative to the study.
+    pub folder: &'w Path,
+    /// Why recordings of the same messages are trials of their own, where the study declares it.
+    pub repeated: Option<&'w str>,
 }
 
 /// What gives episodes.
@@ -219,6 +228,7 @@ impl Work {
             Work::Judge {
                 technique,
                 recordings,
+                repeated,
             } => Parts {
                 technique: *technique,
                 model: None,
@@ -226,7 +236,10 @@ impl Work {
                 simulated: None,
                 episodes: 0,
                 tables: None,
-                recordings: Some(recordings),
+                recordings: Some(RecordingFiles {
+                    folder: recordings,
+                    repeated: repeated.as_deref(),
+                }),
                 uses_topics: true,
                 told: None,
             },
@@ -306,7 +319,7 @@ impl Work {
 
     /// The folder of the recordings that it judges, relative to the study.
     pub fn recordings(&self) -> Option<&Path> {
-        self.parts().recordings
+        self.parts().recordings.map(|it| it.folder)
     }
 
     /// What a technique that is not built in is told.

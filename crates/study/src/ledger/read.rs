@@ -47,6 +47,10 @@ pub(super) struct EntryText {
     /// Why a number that looks copied from other evidence was not: one reason for all, or one for each piece of evidence.
     #[schemars(with = "Option<IndependentText>")]
     pub(super) independent: Option<Spanned<IndependentText>>,
+    /// Why runs that reach no verdict are as likely to pass as the others, so that they may be left out. Without it they are counted
+    /// against and for. Simulation, and recordings.
+    #[schemars(with = "Option<String>")]
+    pub(super) undecided_at_random: Option<Spanned<String>>,
     /// Values that a publication gives for this entry, shown beside the computed ones.
     #[serde(default)]
     pub(super) published: Published,
@@ -124,6 +128,9 @@ pub(super) struct EntryText {
     /// A folder of recordings that are judged by the study's monitors. Experiments and operation.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) recordings: Option<Spanned<PathBuf>>,
+    /// Why recordings of the same messages are trials of their own; without it each counts once, whatever the files are called.
+    #[schemars(with = "Option<String>")]
+    pub(super) repeated_recordings: Option<Spanned<String>>,
     /// The name of a technique that is not built in, which whoever runs the study brings; `technique` says as whose evidence
     /// its findings count.
     #[schemars(with = "Option<String>")]
@@ -296,10 +303,12 @@ impl Reader<'_> {
             .map(|c| self.calibrated(c, text.id.get_ref(), seen))
             .collect::<Result<_, _>>()?;
         let independent = self.independent(&text)?;
+        let undecided_at_random = self.undecided_at_random(&text)?;
         let work = self.work(&text)?;
         self.constants_have_a_model(&text, &work)?;
         Ok(Entry {
             independent,
+            undecided_at_random,
             work,
             sampling: self.sampling(&text)?,
             calibrated,
@@ -311,6 +320,22 @@ impl Reader<'_> {
             reproduced_by: text.reproduced_by.map(Spanned::into_inner),
             published: text.published,
         })
+    }
+
+    /// Of what judges runs, the reason why those without a verdict are missing at random.
+    fn undecided_at_random(&self, text: &EntryText) -> Result<Option<String>, Problem> {
+        let Some(declared) = &text.undecided_at_random else {
+            return Ok(None);
+        };
+        if text.episodes.is_none() && text.recordings.is_none() && text.producer.is_none() {
+            return Err(self.problem(
+                "bad-ledger",
+                format!("`{}` judges no runs, so none of them is undecided", text.id.get_ref()),
+                declared.span(),
+                "leave `undecided_at_random` out: it belongs to entries with `episodes` or `recordings`",
+            ));
+        }
+        self.reason("undecided_at_random", &text.undecided_at_random)
     }
 
     /// Only a formal model has constants, and only a fault tree basic events, that can be set; whether it has these is seen

@@ -59,14 +59,17 @@ fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
                 "on_failure",
             ],
         ),
-        Work::Judge { .. } => ("a judgement of recordings", &["recordings"]),
+        Work::Judge { .. } => (
+            "a judgement of recordings",
+            &["recordings", "repeated_recordings"],
+        ),
         Work::Read { .. } => ("a reading of tables", &["tables"]),
         Work::Other { .. } => ("work of a technique of one's own", &["producer", "with"]),
     }
 }
 
 /// The keys of an entry that say how its work is done, with the place of each that is given.
-fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 26] {
+fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 27] {
     fn at<T>(value: &Option<Spanned<T>>) -> Option<Range<usize>> {
         value.as_ref().map(Spanned::span)
     }
@@ -96,6 +99,7 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 26] {
         on_failure,
         tables,
         recordings,
+        repeated_recordings,
         producer,
         with,
         id: _,
@@ -107,6 +111,7 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 26] {
         reproduced_by: _,
         calibrated: _,
         independent: _,
+        undecided_at_random: _,
         published: _,
     } = text;
     let assets = assets.iter().flatten().next();
@@ -135,6 +140,7 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 26] {
         ("on_failure", at(on_failure)),
         ("tables", at(tables)),
         ("recordings", at(recordings)),
+        ("repeated_recordings", at(repeated_recordings)),
         ("producer", at(producer)),
         ("with", at(with)),
     ]
@@ -473,6 +479,7 @@ impl Reader<'_> {
                 true => recordings.get_ref().clone(),
                 false => self.existing(recordings)?,
             },
+            repeated: self.reason("repeated_recordings", &text.repeated_recordings)?,
         })
     }
 
@@ -506,6 +513,26 @@ impl Reader<'_> {
             requirements: file(&tables.requirements)?,
             failure_modes: file(&tables.failure_modes)?,
         })
+    }
+
+    /// A declaration with its reason in words.
+    pub(super) fn reason(
+        &self,
+        key: &str,
+        text: &Option<Spanned<String>>,
+    ) -> Result<Option<String>, Problem> {
+        let Some(because) = text else {
+            return Ok(None);
+        };
+        match because.get_ref().trim() {
+            "" => Err(self.problem(
+                "bad-ledger",
+                format!("`{key}` gives no reason"),
+                because.span(),
+                "write why, in words, or leave it out",
+            )),
+            reason => Ok(Some(reason.to_owned())),
+        }
     }
 
     /// Why one subject stands for all: a reason in words, of a cohort.

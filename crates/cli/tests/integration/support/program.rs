@@ -64,10 +64,19 @@ pub struct Study {
 impl Study {
     /// The study that `corroborate init` makes.
     pub fn new() -> Self {
+        Self::made_by(&["init", "study"])
+    }
+
+    /// The study that `corroborate init --template` makes.
+    pub fn of_template(template: &str) -> Self {
+        Self::made_by(&["init", "study", "--template", template])
+    }
+
+    fn made_by(arguments: &[&str]) -> Self {
         let study = Self {
             folder: TempDir::new().expect("a temporary folder"),
         };
-        let said = study.run(&["init", "study"]);
+        let said = study.run(arguments);
         assert_eq!(said.code, 0, "{said:?}");
         study
     }
@@ -96,7 +105,10 @@ impl Study {
 
     /// Writes a file of the study.
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> &Self {
-        std::fs::write(self.path(name), content).expect("the file can be written");
+        let path = self.path(name);
+        let folder = path.parent().expect("a folder");
+        std::fs::create_dir_all(folder).expect("the folder can be made");
+        std::fs::write(path, content).expect("the file can be written");
         self
     }
 

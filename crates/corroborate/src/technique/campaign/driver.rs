@@ -250,7 +250,7 @@ impl<'a> Count<'a> {
         }
         self.new_episodes += 1;
         self.decided = self.plan.until.is_some_and(|until| {
-            until.decide(self.tally.sample(until.subject())) != stats::Decision::Open
+            until.decide(self.tally.completions(until.subject())) != stats::Decision::Open
         });
         match self.decided {
             true => ControlFlow::Break(()),
@@ -278,8 +278,8 @@ impl<'a> Count<'a> {
     fn finish(mut self, began: Instant, table: PathBuf) -> Finished {
         let (episodes, numbers) = (self.tally.runs(), &self.plan.numbers);
         let stopped = self.plan.until.map(|until| {
-            let sample = self.tally.sample(until.subject());
-            until.outcome_in_words(sample, episodes, numbers.end - numbers.start)
+            let ends = self.tally.completions(until.subject());
+            until.outcome_in_words(ends, episodes, numbers.end - numbers.start)
         });
         self.cost.wall_secs = began.elapsed().as_secs_f64();
         if self.new_cpu_secs > 0.0 {

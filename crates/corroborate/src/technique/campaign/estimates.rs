@@ -15,10 +15,13 @@ pub fn estimates(study: &Study, tally: &Tally) -> String {
         .iter()
         .filter(|r| r.same_quantity_as.is_none());
     let told = own.filter_map(|requirement| {
-        let sample = tally.sample(&Subject::Requirement(requirement.id.clone()));
+        let subject = Subject::Requirement(requirement.id.clone());
+        let sample = tally.sample(&subject);
         let rate = 100.0 * sample.rate()?;
-        let interval = stats::confidence_sequence(sample, level);
-        let (low, high) = (100.0 * interval.low, 100.0 * interval.high);
+        // Runs without a verdict count both ways.
+        let ends = tally.completions(&subject);
+        let [lowest, highest] = ends.map(|end| stats::confidence_sequence(end, level));
+        let (low, high) = (100.0 * lowest.low, 100.0 * highest.high);
         Some(format!(
             "{} {rate:.1} % ({low:.1} to {high:.1})",
             requirement.id

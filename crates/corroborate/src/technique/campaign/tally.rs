@@ -165,6 +165,16 @@ impl Tally {
         })
     }
 
+    /// The same with the runs that reached no verdict: as if none of them counted, and as if all did.
+    pub fn completions(&self, subject: &Subject) -> [stats::Sample; 2] {
+        let decided = self.sample(subject);
+        let undecided = self.row(subject, None).map_or(0, |row| row.inconclusive);
+        [0, undecided].map(|more| stats::Sample {
+            successes: decided.successes + more,
+            trials: decided.trials + undecided,
+        })
+    }
+
     fn row(&self, subject: &Subject, reading: Option<&str>) -> Option<&Row> {
         let wanted = |row: &&Row| {
             &row.monitor.subject == subject && row.monitor.reading.as_deref() == reading
@@ -197,6 +207,7 @@ impl Tally {
                 denominator: Denominator::default(),
                 trigger: None,
                 undecided: 0,
+                completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             });
@@ -218,6 +229,7 @@ impl Tally {
             denominator: self.denominator(main),
             trigger: self.trigger(study, main, intervals)?,
             undecided: main.inconclusive,
+            completions: None,
             readings: readings.collect(),
             witnesses: main.witnesses.clone(),
         })
@@ -369,6 +381,8 @@ mod tests {
         assert_eq!(failed, [(FailureKind::ControllerFailed, of_all)]);
         let sample = tally.sample(&Subject::Requirement("1".into()));
         assert_eq!((sample.successes, sample.trials), (1, 13));
+        let ends = tally.completions(&Subject::Requirement("1".into()));
+        assert_eq!(ends.map(|it| (it.successes, it.trials)), [(1, 14), (2, 14)]);
         assert_eq!(tally.sample(&Subject::Requirement("2".into())).trials, 0);
     }
 

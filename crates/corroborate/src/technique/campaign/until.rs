@@ -101,10 +101,10 @@ impl Until {
         &self.subject
     }
 
-    /// Whether these counts show that the requirement is met; `None` if they
-    /// do not decide it.
-    pub fn is_met(&self, sample: stats::Sample) -> Option<bool> {
-        match (self.decide(sample), self.direction) {
+    /// Whether these counts show that the requirement is met, whatever runs without a verdict would have shown
+    /// (`Tally::completions`); `None` if they do not decide it.
+    pub fn is_met(&self, ends: [stats::Sample; 2]) -> Option<bool> {
+        match (self.decide(ends), self.direction) {
             (Decision::Open, _) => None,
             (Decision::AtLeast, direction) => Some(direction == Direction::AtLeast),
             (Decision::Below, direction) => Some(direction == Direction::AtMost),
@@ -112,16 +112,20 @@ impl Until {
     }
 
     /// What these counts decide.
-    pub fn decide(&self, sample: stats::Sample) -> Decision {
-        self.test.decide(sample)
+    pub fn decide(&self, ends: [stats::Sample; 2]) -> Decision {
+        let [lowest, highest] = ends.map(|end| self.test.decide(end));
+        match lowest == highest {
+            true => lowest,
+            false => Decision::Open,
+        }
     }
 
     /// What came of it, for the evidence.
-    pub fn outcome_in_words(&self, sample: stats::Sample, episodes: u64, most: u64) -> String {
+    pub fn outcome_in_words(&self, ends: [stats::Sample; 2], episodes: u64, most: u64) -> String {
         let about = format!("requirement {}", self.subject.id());
         let percent = self.confidence * 100.0;
         let threshold = self.test.threshold();
-        let side = match self.decide(sample) {
+        let side = match self.decide(ends) {
             Decision::AtLeast => format!("its rate is at least {threshold}"),
             Decision::Below => format!("its rate is below {threshold}"),
             Decision::Open => {
@@ -139,6 +143,25 @@ impl Until {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn runs_without_a_verdict_end_no_campaign_that_they_could_turn() {
+        let sample = |successes, trials| stats::Sample { successes, trials };
+        let until = Until {
+            subject: Subject::Requirement("1".into()),
+            test: SequentialTest::new(0.5, stats::Confidence::P95).expect("a test"),
+            confidence: 0.95,
+            direction: Direction::AtLeast,
+        };
+        let (all, most) = (sample(40, 40), sample(40, 44));
+        assert_eq!(until.is_met([all, all]), Some(true));
+        assert_eq!(until.is_met([most, sample(44, 44)]), Some(true));
+        assert_eq!(until.is_met([sample(40, 80), sample(80, 80)]), None);
+        assert_eq!(
+            until.decide([sample(0, 80), sample(80, 80)]),
+            Decision::Open
+        );
+    }
 
     #[test]
     fn rules_are_read_from_words() {

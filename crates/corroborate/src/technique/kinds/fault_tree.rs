@@ -234,6 +234,7 @@ impl Ready<'_> {
                 },
                 trigger: None,
                 undecided: 0,
+                completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             });
@@ -252,6 +253,7 @@ impl Ready<'_> {
             failures: Vec::new(),
             clusters: None,
             alike_trials: None,
+            repeated_recordings: Vec::new(),
             influences,
             cost: Cost {
                 evidence: self.asked.entry.id.clone(),

@@ -10,10 +10,11 @@ use diagnostic::Problem;
 use host::store::Inputs;
 use judging::verdicts::RunVerdicts;
 use std::path::Path;
+use study::RecordingFiles;
 
 /// A folder of recordings.
 pub(super) struct JudgeRecordings<'t> {
-    pub(super) folder: &'t Path,
+    pub(super) files: RecordingFiles<'t>,
 }
 
 /// Recordings that were found.
@@ -28,7 +29,7 @@ impl Technique for JudgeRecordings<'_> {
         asked: Asked<'a>,
         files: &Files<'_>,
     ) -> Result<Box<dyn Prepared + 'a>, Problem> {
-        let recordings = Recordings::find(asked.study, self.folder)?;
+        let recordings = Recordings::find(asked.study, self.files)?;
         for asset in recordings.assets() {
             files.was_read(asset);
         }
@@ -49,7 +50,7 @@ impl Technique for JudgeRecordings<'_> {
             ));
             return Ok(());
         }
-        let recordings = Recordings::find(study, self.folder)?;
+        let recordings = Recordings::find(study, self.files)?;
         let title = format!("{}: recordings", entry.id);
         let stage = host.events.begin(&title, recordings.count());
         let say = |line: &str| host.events.say(line);

@@ -43,7 +43,7 @@ use crate::technique::experiment::Tables;
 use crate::technique::kinds::{Asked, tree_values};
 use crate::technique::model_checking::Compiled;
 use crate::technique::operation::only_violations;
-use crate::technique::simulation;
+use crate::technique::{same_messages, simulation};
 use diagnostic::Problem;
 use evidence::{
     Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
@@ -230,12 +230,14 @@ impl Diagnosing<'_> {
                 }
                 Reach::Runs => {
                     let episodes = || self.folder.join("episodes").join(id);
-                    let recordings = work.recordings().map(|of| self.study.folder.join(of));
-                    let simulated = work.simulated().map(|_| episodes());
-                    let Some(folder) = recordings.or(simulated) else {
-                        continue;
+                    let parts = work.parts();
+                    let (folder, is_once) = match (parts.recordings, parts.simulated) {
+                        (Some(of), _) => (self.study.folder.join(of.folder), of.repeated.is_none()),
+                        // Episodes are trials of their own, whatever they record.
+                        (None, Some(_)) => (episodes(), false),
+                        (None, None) => continue,
                     };
-                    self.verdicts(study, scratch, &folder)?
+                    self.verdicts(study, scratch, (&folder, is_once))?
                 }
             };
             let known = findings.into_iter();
@@ -314,7 +316,7 @@ impl Diagnosing<'_> {
         &self,
         study: &Study,
         scratch: &Scratch,
-        folder: &Path,
+        (folder, is_once): (&Path, bool),
     ) -> Result<Vec<Finding>, Problem> {
         let Ok(found) = recording::trials(folder) else {
             return Ok(Vec::new());
@@ -322,8 +324,12 @@ impl Diagnosing<'_> {
         if found.trials.is_empty() {
             return Ok(Vec::new());
         }
-        let trials = super::events::evenly(found.trials, MOST_RUNS);
         let rules = ReadingRules::of_study(&scratch.folder, None)?;
+        let trials = match is_once {
+            true => same_messages::once(found.trials, &rules.options).0,
+            false => found.trials,
+        };
+        let trials = super::events::evenly(trials, MOST_RUNS);
         let judges = Judges::new(study, |_| true)?;
         let go_on = || self.setting.go_on();
         let judged: Vec<_> = trials

@@ -23,6 +23,7 @@ fn of_people(clusters: &[Sample]) -> Belief {
         sample: rate.total,
         effective: rate.worth,
         before: None,
+        completions: None,
     }
 }
 
@@ -32,6 +33,7 @@ fn of_episodes(sample: Sample) -> Belief {
         sample,
         effective: sample.into(),
         before: None,
+        completions: None,
     }
 }
 

@@ -70,6 +70,7 @@ impl<'a> Side<'a> {
             effective: more,
             clusters: None,
             before: before.clone(),
+            completions: None,
         }
     }
 
