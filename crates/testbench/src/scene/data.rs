@@ -26,7 +26,8 @@ pub use compliance::Compliance;
 pub(super) use compliance::{REGIONS, Region as BodyRegion};
 pub(super) use drawn::resolve;
 pub use person::{
-    Activity, ArmAngles, ArmPose, Person, PersonBody, Reaction, ReactionKind, Waypoint,
+    Activity, ArmAngles, ArmPose, Avoidance, Hesitation, Person, PersonBody, Reaction,
+    ReactionKind, Waypoint,
 };
 pub(super) use sensor::key_with_unit;
 pub use sensor::{Fault, FaultKind, Sensor, SensorKind};
@@ -233,6 +234,13 @@ pub(super) fn known<'a>(
 }
 
 impl SceneData {
+    /// The number of a person's group: the first person's place who is in it.
+    pub(super) fn group_of(&self, person: &Person) -> Option<usize> {
+        let group = person.group.as_ref()?;
+        let mut people = self.people.iter();
+        people.position(|it| it.group.as_ref() == Some(group))
+    }
+
     /// The JSON Schema of a scene's file.
     #[must_use]
     pub fn schema() -> schemars::Schema {

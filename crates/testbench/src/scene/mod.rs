@@ -113,9 +113,10 @@ mod wrench;
 pub use bench::{BuildPhysics, SceneBench, StartController, mujoco, rapier};
 pub use data::{
     Activity, Actuator, ActuatorFault, ActuatorFaultKind, ActuatorKind, ArmAngles, ArmPose,
-    ConeKind, ControllerData, Fault, FaultKind, Ground, Material, MujocoKeys, Object, Person,
-    PersonBody, PlaceKeys, RapierKeys, Reaction, ReactionKind, Region, Robot, SceneData, Sensor,
-    SensorKind, Simulation, ToolPoint, TruthKeys, Waypoint,
+    Avoidance, Compliance, ConeKind, ControllerData, Fault, FaultKind, Ground, Hesitation,
+    Material, MujocoKeys, Object, Person, PersonBody, PlaceKeys, RapierKeys, Reaction,
+    ReactionKind, Region, Robot, SceneData, Sensor, SensorKind, Simulation, ToolPoint, TruthKeys,
+    Waypoint,
 };
 pub use draws::drawn_number;
 pub use gaps::{SceneGap, description_gaps};

@@ -27,7 +27,7 @@ use super::recorder::{Recorder, sensor_row};
 use super::script::{Known, Reach, Script};
 use super::sensing::Sensing;
 use super::truth::{Declared, Witness};
-use super::walker::{RobotSeen, Walker};
+use super::walker::{PersonSeen, RobotSeen, Surroundings, Walker};
 use crate::bench::ScenarioError;
 use crate::bench::{Creep, End, Failure, Recorded, SimError, Watch};
 use crate::controller::ControllerError;
@@ -88,7 +88,10 @@ impl Run {
         let physics = (prepared.physics)(&built.layout)?;
         let people = data.people.iter().zip(&built.people);
         let people: Vec<Walker> = people
-            .map(|(person, body)| Walker::new(person, body.radius_m, draws))
+            .map(|(person, body)| {
+                let walker = Walker::new(person, body.radius_m, draws);
+                walker.in_group(data.group_of(person))
+            })
             .collect();
         let robot_of = |name: &str| data.robots.iter().position(|robot| robot.name == name);
         let mut sensors = Vec::new();
@@ -410,8 +413,15 @@ impl Run {
             }
         };
         let robots: Vec<RobotSeen> = self.built.robots.iter().map(seen).collect();
-        for (walker, body) in self.people.iter_mut().zip(&mut self.built.people) {
-            walker.update(then_secs, period_secs, &robots);
+        let people: Vec<PersonSeen> = self.people.iter().map(Walker::seen).collect();
+        let all = self.people.iter_mut().zip(&mut self.built.people);
+        for (own, (walker, body)) in all.enumerate() {
+            let around = Surroundings {
+                robots: &robots,
+                people: &people,
+                own,
+            };
+            walker.update(then_secs, period_secs, around);
             if let Some(compliant) = &mut body.compliant {
                 let newtons = compliant.pushed_newtons(period_secs);
                 walker.step_back(newtons, compliant.balance_newtons, period_secs);

@@ -4,9 +4,13 @@
 //! changes its speed at a limited acceleration. Each update covers one period of the scene's
 //! `people_hz`.
 
+mod company;
+
+pub(super) use company::{PersonSeen, Surroundings};
+
 use stimulus::Distribution;
 
-use super::data::{Activity, ArmAngles, ArmPose, Person, PersonBody, ReactionKind};
+use super::data::{Activity, ArmAngles, ArmPose, Hesitation, Person, PersonBody, ReactionKind};
 use super::draws::Draws;
 use super::person::{Arms, Stance};
 
@@ -40,6 +44,55 @@ struct Drawn {
     arm_rate_rad_s: f64,
     /// Arms that reach, carry, withdraw.
     arms: [Arms; 3],
+    /// How far the person keeps clear of people and of robots.
+    clear_m: Option<[f64; 2]>,
+}
+
+/// When a person stands still on the way.
+#[derive(Debug, Clone)]
+struct Hesitating {
+    data: Hesitation,
+    key: String,
+    draws: Draws,
+    /// How many there were, and when the next one begins and ends.
+    count: u64,
+    next_secs: [f64; 2],
+}
+
+impl Hesitating {
+    fn new(data: &Hesitation, person: &str, draws: Draws) -> Self {
+        let mut new = Self {
+            data: data.clone(),
+            key: super::data::key_of("person", person, "hesitation"),
+            draws,
+            count: 0,
+            next_secs: [0.0; 2],
+        };
+        new.plan(0.0);
+        new
+    }
+
+    /// The next one, counted from a time.
+    fn plan(&mut self, from_secs: f64) {
+        let (key, count) = (&self.key, self.count);
+        let drawn = |field: &str, of: &Distribution| {
+            self.draws.number(&format!("{key}.{count}.{field}"), of)
+        };
+        let begins_secs = from_secs + drawn("every_secs", &self.data.every_secs);
+        self.next_secs = [
+            begins_secs,
+            begins_secs + drawn("lasts_secs", &self.data.lasts_secs),
+        ];
+        self.count += 1;
+    }
+
+    /// Whether the person stands still now.
+    fn holds(&mut self, now_secs: f64) -> bool {
+        while now_secs >= self.next_secs[1] {
+            self.plan(self.next_secs[1]);
+        }
+        now_secs >= self.next_secs[0]
+    }
 }
 
 impl Drawn {
@@ -54,7 +107,7 @@ impl Drawn {
 }
 
 /// A person in an episode.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Walker {
     pub(super) body: PersonBody,
     pub(super) stance: Stance,
@@ -66,6 +119,9 @@ pub(super) struct Walker {
     /// How the arms are held when nothing is reacted to.
     arms: ArmPose,
     again: bool,
+    /// The number of the person's group.
+    group: Option<usize>,
+    hesitating: Option<Hesitating>,
     drawn: Drawn,
     next: usize,
     pause_until_secs: f64,
@@ -114,6 +170,12 @@ impl Walker {
                 held("carry", &person.carry),
                 held("withdraw", &person.withdraw),
             ],
+            clear_m: person.avoidance.as_ref().map(|avoidance| {
+                [
+                    drawn("avoidance.people_m", &avoidance.people_m),
+                    drawn("avoidance.robots_m", &avoidance.robots_m),
+                ]
+            }),
         };
         let probability = drawn("distracted_probability", &person.distracted_probability);
         let name = format!("person.{}.is_distracted", person.name);
@@ -133,6 +195,11 @@ impl Walker {
             walking_m_s: drawn("speed_m_s", &person.speed_m_s),
             velocity_m_s: [0.0; 2],
             again: person.again,
+            group: None,
+            hesitating: person
+                .hesitation
+                .as_ref()
+                .map(|it| Hesitating::new(it, &person.name, draws)),
             drawn: numbers,
             next: 0,
             pause_until_secs: 0.0,
@@ -140,6 +207,11 @@ impl Walker {
             reacting: false,
             aside_m: None,
         }
+    }
+
+    /// The same in a group.
+    pub(super) fn in_group(self, group: Option<usize>) -> Self {
+        Self { group, ..self }
     }
 
     /// Whether the last waypoint has been reached.
@@ -157,16 +229,33 @@ impl Walker {
         self.arms = arms;
     }
 
+    /// Draws what is still to be drawn under another seed.
+    pub(super) fn draw_anew(&mut self, draws: Draws) {
+        if let Some(hesitating) = &mut self.hesitating {
+            hesitating.draws = draws;
+        }
+    }
+
     /// Moves on by `period_secs`.
-    pub(super) fn update(&mut self, now_secs: f64, period_secs: f64, robots: &[RobotSeen]) {
-        let nearest = self.nearest(robots);
+    pub(super) fn update(&mut self, now_secs: f64, period_secs: f64, around: Surroundings<'_>) {
+        let nearest = self.nearest(around.robots);
         self.notice(now_secs, nearest);
         self.move_arms(period_secs);
-        let (goal, speed_m_s) = self.wish(now_secs, nearest);
-        match (goal, self.aside_m.is_some() && self.reacting) {
-            (Some(goal), true) => self.sidestep(goal, speed_m_s, period_secs),
-            (goal, _) => self.walk(goal, speed_m_s, period_secs),
+        let (mut goal, mut speed_m_s) = self.wish(now_secs, nearest);
+        let hesitates = |it: &mut Hesitating| it.holds(now_secs);
+        if self.hesitating.as_mut().is_some_and(hesitates) {
+            (goal, speed_m_s) = (None, 0.0);
         }
+        if let Some(goal) = goal.filter(|_| self.aside_m.is_some() && self.reacting) {
+            return self.sidestep(goal, speed_m_s, period_secs);
+        }
+        if let Some(there) = goal.filter(|_| self.drawn.clear_m.is_some() || self.group.is_some()) {
+            let is_after_robots = matches!(self.activity, Activity::Approach | Activity::Follow);
+            let (toward, wished) =
+                self.among_others(there, speed_m_s, around, is_after_robots || self.reacting);
+            (goal, speed_m_s) = (Some(toward), wished);
+        }
+        self.walk(goal, speed_m_s, period_secs);
     }
 
     /// A push of more than the balance moves the person along it: at walking speed from twice the balance on.
@@ -360,8 +449,20 @@ mod tests {
 
     fn run(walker: &mut Walker, secs: f64, robot: Option<RobotSeen>) {
         let robots: Vec<RobotSeen> = robot.into_iter().collect();
+        run_all(std::slice::from_mut(walker), secs, &robots);
+    }
+
+    fn run_all(walkers: &mut [Walker], secs: f64, robots: &[RobotSeen]) {
         for step in 0..(secs * 100.0) as u32 {
-            walker.update(f64::from(step) / 100.0, 0.01, &robots);
+            let people: Vec<PersonSeen> = walkers.iter().map(Walker::seen).collect();
+            for (own, walker) in walkers.iter_mut().enumerate() {
+                let around = Surroundings {
+                    robots,
+                    people: &people,
+                    own,
+                };
+                walker.update(f64::from(step) / 100.0, 0.01, around);
+            }
         }
     }
 
@@ -457,5 +558,96 @@ mod tests {
         );
         assert!((p.stance.y_m - 2.5).abs() < 0.35, "{}", p.stance.y_m);
         assert_eq!(p.stance.speed_m_s, 0.0);
+    }
+
+    /// Two who meet head-on pass each other on the right; without avoidance they walk through each other.
+    #[test]
+    fn who_keeps_clear_passes_who_comes_along() {
+        let nearest = |avoidance: &str| {
+            let of = |from: f64, to: f64| {
+                walker(&format!(
+                    "speed_m_s = 1.2\nheading_rad = {:?}\n{avoidance}waypoint = [{{ x_m = {to:?}, y_m = 0.0 }}]",
+                    if to > from { 0.0 } else { std::f64::consts::PI }
+                ))
+            };
+            let mut both = [of(0.0, 8.0), of(8.0, 0.0)];
+            both[1].stance.x_m = 8.0;
+            let mut least = f64::INFINITY;
+            for step in 0..1500 {
+                let people: Vec<PersonSeen> = both.iter().map(Walker::seen).collect();
+                for (own, one) in both.iter_mut().enumerate() {
+                    let around = Surroundings {
+                        robots: &[],
+                        people: &people,
+                        own,
+                    };
+                    one.update(f64::from(step) / 100.0, 0.01, around);
+                }
+                let [a, b] = [both[0].stance, both[1].stance];
+                least = least.min((a.x_m - b.x_m).hypot(a.y_m - b.y_m));
+                if step == 320 && !avoidance.is_empty() {
+                    assert!(a.y_m < 0.0 && b.y_m > 0.0, "{} {}", a.y_m, b.y_m);
+                }
+            }
+            assert!(both.iter().all(Walker::has_arrived), "{both:?}");
+            least - 0.4
+        };
+        assert!(nearest("") < 0.0);
+        let clear_m = nearest("avoidance = { people_m = 0.4 }\n");
+        assert!(clear_m > 0.1, "{clear_m}");
+    }
+
+    #[test]
+    fn who_keeps_clear_walks_around_a_standing_robot() {
+        let robot = RobotSeen {
+            x_m: 3.0,
+            y_m: 0.05,
+            yaw_rad: 0.0,
+        };
+        let mut p =
+            walker("speed_m_s = 1.2\navoidance = {}\nwaypoint = [{ x_m = 6.0, y_m = 0.0 }]");
+        let mut least = f64::INFINITY;
+        for step in 0..1500 {
+            let people = [p.seen()];
+            let around = Surroundings {
+                robots: &[robot],
+                people: &people,
+                own: 0,
+            };
+            p.update(f64::from(step) / 100.0, 0.01, around);
+            least = least.min(p.distance_m([robot.x_m, robot.y_m]));
+        }
+        assert!(p.has_arrived() && least > 0.5, "{least}");
+    }
+
+    #[test]
+    fn a_group_waits_for_who_is_slow() {
+        let of = |speed: f64, y: f64| {
+            let mut one = walker(&format!(
+                "speed_m_s = {speed:?}\nwaypoint = [{{ x_m = 20.0, y_m = {y:?} }}]"
+            ));
+            one.stance.y_m = y;
+            one
+        };
+        let apart = |group: Option<usize>| {
+            let mut both = [of(1.5, 0.0), of(0.8, 0.6)];
+            for one in &mut both {
+                one.group = group;
+            }
+            run_all(&mut both, 10.0, &[]);
+            both[0].stance.x_m - both[1].stance.x_m
+        };
+        assert!(apart(None) > 6.0, "{}", apart(None));
+        assert!(apart(Some(0)) < 3.0, "{}", apart(Some(0)));
+    }
+
+    #[test]
+    fn who_hesitates_stands_still_at_the_drawn_times() {
+        let mut p = walker(
+            "speed_m_s = 1.0\nacceleration_m_s2 = 100.0\nhesitation = { every_secs = 2.0, lasts_secs = 1.0 }\nwaypoint = [{ x_m = 50.0, y_m = 0.0 }]",
+        );
+        run(&mut p, 9.0, None);
+        // Two seconds of three.
+        assert!((p.stance.x_m - 6.0).abs() < 0.1, "{}", p.stance.x_m);
     }
 }

@@ -58,6 +58,14 @@ pub struct Person {
     /// What the person does about a robot that is near.
     #[serde(default)]
     pub reaction: Option<Reaction>,
+    /// How the person keeps clear of others on the way; walks straight on without it.
+    #[serde(default)]
+    pub avoidance: Option<Avoidance>,
+    /// The group that the person walks with: who lags behind is waited for, and all keep together.
+    pub group: Option<String>,
+    /// How often and how long the person stands still on the way.
+    #[serde(default)]
+    pub hesitation: Option<Hesitation>,
     /// Probability that the person is distracted, and reacts to nothing, from the start.
     #[serde(default = "zero")]
     pub distracted_probability: Distribution,
@@ -196,6 +204,28 @@ pub struct Waypoint {
     pub pause_secs: Distribution,
 }
 
+/// How a person keeps clear of others on the way.
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Avoidance {
+    /// The distance from another person, surface to surface, at which staying clear is as strong as going on.
+    #[serde(default = "clear_of_people")]
+    pub people_m: Distribution,
+    /// The same from a robot's root.
+    #[serde(default = "clear_of_robots")]
+    pub robots_m: Distribution,
+}
+
+/// How often and how long a person stands still on the way.
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hesitation {
+    /// The time from one to the next, drawn anew for each.
+    pub every_secs: Distribution,
+    /// How long each lasts, drawn anew.
+    pub lasts_secs: Distribution,
+}
+
 /// What a person does about a robot that is near.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -248,6 +278,12 @@ fn nimble() -> Distribution {
 fn quick() -> Distribution {
     Distribution::Constant(0.4)
 }
+fn clear_of_people() -> Distribution {
+    Distribution::Constant(0.3)
+}
+fn clear_of_robots() -> Distribution {
+    Distribution::Constant(0.6)
+}
 fn a_step() -> Distribution {
     Distribution::Constant(0.6)
 }
@@ -297,6 +333,15 @@ impl Person {
                 return Err(ScenarioError::value(&key("compliance"), problem));
             }
             (None, _) => {}
+        }
+        if let Some(avoidance) = &self.avoidance {
+            within(&key("avoidance.people_m"), &avoidance.people_m, 0.0, 10.0)?;
+            within(&key("avoidance.robots_m"), &avoidance.robots_m, 0.0, 10.0)?;
+        }
+        if let Some(hesitation) = &self.hesitation {
+            let (every, lasts) = (&hesitation.every_secs, &hesitation.lasts_secs);
+            within(&key("hesitation.every_secs"), every, 1e-2, 1e6)?;
+            within(&key("hesitation.lasts_secs"), lasts, 0.0, 1e4)?;
         }
         for (index, point) in self.waypoints.iter().enumerate() {
             let key = |field: &str| key(&format!("waypoint.{index}.{field}"));

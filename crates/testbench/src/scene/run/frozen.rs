@@ -106,6 +106,9 @@ impl Run {
         for sensor in &mut self.sensors {
             sensor.draw_anew(draws);
         }
+        for person in &mut self.people {
+            person.draw_anew(draws);
+        }
         for actuator in &mut self.actuators {
             actuator.errors.draw_anew(draws);
         }
