@@ -62,7 +62,7 @@ pub(crate) mod words;
 pub(crate) use belief::{Belief, CountsAtLook};
 pub(crate) use by_cluster::ByCluster;
 pub(crate) use ends::End;
-pub use further::{DecisionPlan, PlannedTrials, TrialCosts, Undecided, undecided};
+pub use further::{DecisionPlan, FurtherSubjects, PlannedTrials, TrialCosts, Undecided, undecided};
 pub use lineage::Influences;
 pub(crate) use lineage::Lineage;
 pub use programme::{Programme, programme};

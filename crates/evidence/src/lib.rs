@@ -41,8 +41,9 @@ mod verdict;
 
 pub use asset::{Asset, AssetRole, Tool};
 pub use compare::{
-    DecisionPlan, Influences, Levels, PlannedTrials, Programme, Relation, Spreading, Study,
-    Together, TrialCosts, Undecided, compare, compare_together, programme, undecided,
+    DecisionPlan, FurtherSubjects, Influences, Levels, PlannedTrials, Programme, Relation,
+    Spreading, Study, Together, TrialCosts, Undecided, compare, compare_together, programme,
+    undecided,
 };
 pub use conclude::alone::{Alone, alone};
 pub use conclude::combined::{Combined, CommonBound, Model, Weights, combine};

@@ -22,8 +22,11 @@ fn named(planned: &[PlannedTrials], noun: &str) -> String {
                 true => format!(" (about {} runs)", number::count(one.runs)),
                 false => String::new(),
             };
+            let by = one
+                .by
+                .map_or(String::new(), |by| format!(" (by {})", by.in_words()));
             format!(
-                "{}{noun} in {}{runs}",
+                "{}{noun} in {}{runs}{by}",
                 number::count(one.trials),
                 one.evidence
             )
@@ -90,6 +93,7 @@ pub fn deciding(one: &Deciding, costs: &TrialCosts) -> String {
         evidence: one.evidence.clone(),
         trials: count,
         runs: count,
+        by: one.by,
     };
     format!(
         "{}{}, with a chance of {}",
@@ -148,12 +152,14 @@ pub fn pricing(costs: &TrialCosts) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use evidence::FurtherSubjects;
 
     fn planned(evidence: &str, trials: u64) -> PlannedTrials {
         PlannedTrials {
             evidence: evidence.into(),
             trials,
             runs: if evidence == "E4" { 2 * trials } else { trials },
+            by: None,
         }
     }
 
@@ -166,6 +172,17 @@ mod tests {
             agreement: 0.8,
             conflict: 0.0124,
         };
+        let by_people = PlannedTrials {
+            by: Some(FurtherSubjects {
+                subjects: 18,
+                each: 10,
+            }),
+            ..planned("E3", 180)
+        };
+        assert_eq!(
+            trials(&[by_people]).replace('\u{a0}', " "),
+            "180 more trials in E3 (by 18 further people or sessions with 10 trials each)"
+        );
         let equal = TrialCosts::equal();
         let free = plan(&both, &equal).replace('\u{a0}', " ");
         assert!(

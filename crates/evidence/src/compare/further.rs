@@ -103,6 +103,47 @@ pub struct PlannedTrials {
     /// How many more runs have so many, if as many of them cover the subject as did so far.
     #[serde(default)]
     pub runs: u64,
+    /// By whom they are made, where those so far are of people or sessions with several each.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by: Option<FurtherSubjects>,
+}
+
+/// Further people or sessions, with as many trials each as those so far had on average.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct FurtherSubjects {
+    /// How many.
+    pub subjects: u64,
+    /// The trials of each.
+    pub each: u64,
+}
+
+impl FurtherSubjects {
+    /// Those with so many trials in all; `None` where trials are independent, or not known to be of several subjects.
+    pub(crate) fn of(measure: &Measure, more: u64) -> Option<Self> {
+        let Measure::Counts {
+            trials,
+            subjects: Some(subjects),
+            ..
+        } = measure
+        else {
+            return None;
+        };
+        let each = (*trials as f64 / *subjects as f64).round() as u64;
+        (*subjects > 0 && each > 1).then(|| Self {
+            subjects: more.div_ceil(each),
+            each,
+        })
+    }
+
+    /// `18 further people or sessions with 10 trials each`.
+    #[must_use]
+    pub fn in_words(self) -> String {
+        let Self { subjects, each } = self;
+        match subjects {
+            1 => format!("1 further person or session with {each} trials"),
+            _ => format!("{subjects} further people or sessions with {each} trials each"),
+        }
+    }
 }
 
 /// Further trials that together would decide a pair.
@@ -281,6 +322,9 @@ fn planned_trials(plan: &Plan, subject: &Subject, sides: [&Evidence; 2]) -> Vec<
             evidence: piece.id.clone(),
             trials,
             runs: (trials as f64 * runs_per_trial(piece, subject)).ceil() as u64,
+            by: piece
+                .finding(subject)
+                .and_then(|finding| FurtherSubjects::of(&finding.measure, trials)),
         })
         .collect()
 }
@@ -351,7 +395,10 @@ fn plan_in_words(plan: &Plan, subject: &Subject, sides: [&Evidence; 2]) -> Strin
             true => format!(" (about {} runs)", it.runs),
             false => String::new(),
         };
-        format!("{} further {noun} in {}{runs}", it.trials, it.evidence)
+        let by = it
+            .by
+            .map_or(String::new(), |by| format!(", by {}", by.in_words()));
+        format!("{} further {noun} in {}{runs}{by}", it.trials, it.evidence)
     };
     let parts: Vec<String> = planned.map(in_words).collect();
     let chance = |share: f64| percent(share.min(0.999));

@@ -57,6 +57,7 @@ pub fn programme(undecided: &[Undecided], costs: &TrialCosts) -> Option<Programm
                 evidence: evidence.to_owned(),
                 trials,
                 runs: trials,
+                by: None,
             })
             .collect(),
         pairs: open.len() as u64,
@@ -112,6 +113,7 @@ mod tests {
             evidence: (*evidence).to_owned(),
             trials: *trials,
             runs: *trials,
+            by: None,
         };
         DecisionPlan {
             trials: trials.iter().map(planned).collect(),

@@ -26,7 +26,7 @@
 
 use super::words::is_certainty;
 use super::{Piece, current, independent_among, looked_at, quantity, threshold_of};
-use crate::compare::{Belief, Study, TrialCosts};
+use crate::compare::{Belief, FurtherSubjects, Study, TrialCosts};
 use crate::conclude::stand::shown_below_and_above;
 use crate::looks::{is_open, over_looks};
 use crate::{Conclusion, Direction, Requirement, Step, Verdict};
@@ -56,6 +56,9 @@ pub struct Deciding {
     /// The chance that they show it to be violated.
     #[serde(default)]
     pub violated: Option<f64>,
+    /// By whom they are made, where those so far are of people or sessions with several each.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by: Option<FurtherSubjects>,
 }
 
 /// Why no further trials are planned for an open requirement.
@@ -215,6 +218,7 @@ fn plans(
             chance: found.map(|(_, (below, above))| (below + above).min(1.0)),
             satisfied: found.map(|(_, (below, above))| if at_least { above } else { below }),
             violated: found.map(|(_, (below, above))| if at_least { below } else { above }),
+            by: found.and_then(|(trials, _)| FurtherSubjects::of(&piece.finding.measure, trials)),
         })
     };
     let open = free.into_iter().map(|index| &pieces[index]);
