@@ -5,7 +5,7 @@ mod determinism;
 mod report;
 
 pub use determinism::Repeated;
-pub use report::{EngineFailures, EnginesReport, SignalReport, VerdictPair, VerdictReport};
+pub use report::{EngineFailures, EnginesReport, SignalKind, SignalReport, VerdictPair, VerdictReport};
 
 use crate::rigs;
 use crate::technique::simulation::Seeds;
@@ -13,6 +13,7 @@ use compared::Called;
 use diagnostic::Problem;
 use host::Host;
 use rig::Rig;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use study::{Entry, Study};
 
@@ -32,6 +33,8 @@ pub struct EnginesRequest {
     pub determinism: bool,
     /// Another entry of the ledger, of any simulator, in place of the second engine.
     pub against: Option<String>,
+    /// By how much numbers may differ, by signal (`/topic.field`), in its unit: they are ordered by it.
+    pub tolerances: BTreeMap<String, f64>,
 }
 
 impl EnginesRequest {
@@ -44,6 +47,7 @@ impl EnginesRequest {
             seed: None,
             determinism: false,
             against: None,
+            tolerances: BTreeMap::new(),
         }
     }
 }
@@ -68,11 +72,12 @@ pub fn engines(request: &EnginesRequest, host: &Host) -> Result<EnginesReport, P
         rigs: &rigs,
         names: &names,
         numbers: (1..=request.episodes).collect(),
+        tolerances: &request.tolerances,
         seeds: Seeds::new(request.seed.unwrap_or(study.about.seed), entry.seeded_as()),
         host,
     };
     let mut report = EnginesReport {
-        format: "1.1".into(),
+        format: "1.2".into(),
         evidence: entry.id.clone(),
         engines: names.clone(),
         episodes: request.episodes,

@@ -7,7 +7,9 @@ mod regressions;
 mod scene;
 mod shown;
 
-pub use regressions::{RegressionReport, RegressionsReport, RegressionsRequest, check_regressions};
+pub use regressions::{
+    RegressionReport, RegressionState, RegressionsReport, RegressionsRequest, check_regressions,
+};
 
 pub(crate) use episode::{Episode, finding_file, hash_of_trace, no_finding};
 

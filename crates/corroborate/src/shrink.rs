@@ -3,12 +3,13 @@
 //! First every number that the episode drew from its seed becomes a setting, so
 //! that what is left afterwards names the cause and the seed does not hide it.
 //! Then `campaign::shrink` makes the stimulus smaller: settings go back to their
-//! nominal values, or as near to these as still shows it. Where the bench has a fast physics, that proposes a smaller
+//! nominal values, or as near to these as still shows it clearly (`clarity`). Where the bench has a fast physics, that proposes a smaller
 //! scenario first, and the full physics goes on from there (`trials`). At last the episode is
 //! cut to the fewest whole seconds that still show it. A cut recording counts as
 //! cut: what is violated only because nothing more comes is not decided by it,
 //! so an end cannot become the reason.
 
+mod clarity;
 mod pins;
 mod report;
 mod subject;
@@ -16,6 +17,7 @@ mod trials;
 
 pub use report::{ExtentReport, ShrinkReport};
 
+pub(crate) use clarity::Clarity;
 pub(crate) use trials::Trials;
 
 use crate::replay::Episode;
@@ -25,7 +27,7 @@ use campaign::ShrinkOptions;
 use diagnostic::Problem;
 use host::Host;
 use std::path::{Path, PathBuf};
-use study::{Finding, Shows, Study};
+use study::{Expected, Finding, Shows, Study};
 use subject::Subject;
 use trials::Shrunken;
 
@@ -44,6 +46,9 @@ pub struct ShrinkRequest {
     pub budget: u64,
     /// In how many seeds it must show, the finding's own among them, and of how many.
     pub seeds: (u32, u32),
+    /// By how much what is kept has to violate its requirement, as a share of what is allowed; by default by a tenth, or by half of
+    /// what the finding does if that is less.
+    pub margin: Option<f64>,
     /// In which physics scenarios are tried first; by default in the fast one, where the bench has one.
     pub physics: Option<SearchPhysics>,
     /// The exploration whose parameters say what is possible, and what needs no explanation; by default that of the finding, or
@@ -62,6 +67,7 @@ impl ShrinkRequest {
             only: None,
             budget: 300,
             seeds: (1, 1),
+            margin: None,
             physics: None,
             exploration: None,
             name: None,
@@ -75,7 +81,7 @@ impl ShrinkRequest {
 /// # Errors
 /// What the study's files say wrong; `no-finding`, `bad-episode`, `unknown-subject` and `several-shown` if the request does
 /// not say which episode and what of it; `already-there` if there is a regression of that name; `not-shown` if the episode
-/// does not show it; `no-physics-library` if it cannot be simulated here.
+/// does not show it; `no-margin` if it is not violated by the margin that is asked for; `no-physics-library` if it cannot be simulated here.
 pub fn shrink(request: &ShrinkRequest, host: &Host) -> Result<ShrinkReport, Problem> {
     let study = Study::load(&request.study)?;
     let subject = Subject::of(&study, request, host)?;
@@ -88,10 +94,11 @@ pub fn shrink(request: &ShrinkRequest, host: &Host) -> Result<ShrinkReport, Prob
         })?;
     let mut options = options(&study, request, finding, host)?;
     let judge = ShowsJudge::new(&study, &finding.shows, &host.cancel)?;
+    let clarity = Clarity::new(&study, &finding.shows, request.margin)?;
     let stage = host.events.begin("shrinking: episodes", request.budget);
     let trials = Trials::new(
         (bench, fast.as_ref()),
-        &judge,
+        (&judge, &clarity),
         Episode::of_named(finding.clone(), &subject.name),
         (request.budget, request.seeds),
         (&host.cancel, &stage),
@@ -180,6 +187,7 @@ fn keep(
     options: &ShrinkOptions,
 ) -> Result<ShrinkReport, Problem> {
     let mut kept = shrunk.regression.clone();
+    kept.expected = Expected::Fails;
     kept.program = env!("CARGO_PKG_VERSION").into();
     let report = ShrinkReport::new(shrunk, &subject.finding, target, options);
     kept.write(target, &report.comment(&subject.from))?;

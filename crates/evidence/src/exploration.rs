@@ -36,7 +36,9 @@ pub struct Exploration<F = Discovery> {
     pub simulated_secs: f64,
     /// Why it ended.
     pub stopped: Stopped,
-    /// What was found, in the order in which it was found.
+    /// What was found, what matters first: what happens before the task is over, before what happens only afterwards; of
+    /// each, violated requirements, failure modes, programs of the robot that fail, behaviour that the model does not have,
+    /// simulators that fail; else in the order in which it was found.
     pub findings: Vec<F>,
     /// Episodes whose physics gave no numbers, so that nothing is said of the robot in them. That it happens is a
     /// finding of its own (the simulator fails), of which the first can be replayed.
@@ -82,12 +84,130 @@ pub struct Discovery {
     pub found_by: String,
     /// How many episodes of the exploration showed it, in the physics that these were run in.
     pub episodes: u64,
+    /// In how many of these it came only after the task was over; absent where nothing says when that is.
+    #[serde(default)]
+    pub after_task: Option<u64>,
+    /// What the recordings show at the finding and hardly elsewhere, if anything does beyond chance.
+    #[serde(default)]
+    pub told_apart: Option<Distinction>,
+    /// Why nothing is said of that, where nothing is.
+    #[serde(default)]
+    pub not_told_apart: Option<String>,
     /// Whether it was shown again when that episode was run again.
     pub replayed: bool,
     /// What brings it about, with `--causes`: the scenarios that are left when its episodes are shrunk.
     pub causes: Vec<CauseFound>,
     /// Episodes that met none of these; absent if none were looked for.
     pub without_cause: Option<u64>,
+}
+
+impl Discovery {
+    /// Whether it was never seen before the task was over.
+    #[must_use]
+    pub fn is_after_task(&self) -> bool {
+        self.after_task == Some(self.episodes)
+    }
+}
+
+/// What recorded signals have at the moments of a finding and hardly at others: an association in these episodes, which
+/// were chosen, and no cause.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Distinction {
+    /// Conditions, all of which held.
+    pub terms: Vec<SignalTerm>,
+    /// Whether they held just before the finding showed, at the last sample of an earlier time; else when it showed.
+    pub just_before: bool,
+    /// Episodes that showed the finding in which they held then, and all that did.
+    pub shown: [u64; 2],
+    /// Other whole episodes in which they held at any time, and all such episodes.
+    pub elsewhere: [u64; 2],
+    /// Rules of this kind that could have been found.
+    pub rules: u64,
+    /// Fisher's exact test of these counts, two-sided, times the rules of this kind and the number of kinds (Bonferroni).
+    pub p_value: f64,
+    /// Other rules of this kind with the same counts.
+    pub as_good: Vec<String>,
+}
+
+/// A condition on a recorded signal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SignalTerm {
+    /// `/topic.field`.
+    pub signal: String,
+    /// How it is compared.
+    pub relation: SignalRelation,
+    /// With what.
+    pub value: String,
+    /// The unit of numbers.
+    pub unit: String,
+}
+
+/// How a signal is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SignalRelation {
+    /// It is this.
+    Equals,
+    /// It is this or more.
+    AtLeast,
+    /// It is this or less.
+    AtMost,
+}
+
+impl fmt::Display for SignalTerm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let relation = match self.relation {
+            SignalRelation::Equals => "=",
+            SignalRelation::AtLeast => ">=",
+            SignalRelation::AtMost => "<=",
+        };
+        write!(f, "{} {relation} {}", self.signal, self.value)?;
+        match self.unit.as_str() {
+            "" | "1" => Ok(()),
+            unit => write!(f, " {unit}"),
+        }
+    }
+}
+
+impl Distinction {
+    /// The rule in words.
+    #[must_use]
+    pub fn rule_in_words(&self) -> String {
+        let terms: Vec<String> = self.terms.iter().map(ToString::to_string).collect();
+        terms.join(" and ")
+    }
+
+    /// The rule with its counts.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let [shown, of_shown] = self.shown;
+        let [elsewhere, of_others] = self.elsewhere;
+        let always = match (shown == of_shown, elsewhere) {
+            (true, 0) => "always and only while",
+            (true, _) => "always while",
+            (false, 0) => "only while, not always:",
+            (false, _) => "mostly while",
+        };
+        let when = match self.just_before {
+            true => "just before it",
+            false => "when it shows",
+        };
+        let p = match self.p_value < 0.001 {
+            true => "p < 0.001".to_owned(),
+            false => format!("p = {:.3}", self.p_value),
+        };
+        let as_good = match self.as_good.split_first() {
+            None => String::new(),
+            Some((first, [])) => format!("; so does {first}"),
+            Some((first, more)) => format!("; so do {first} and {} more", more.len()),
+        };
+        format!(
+            "{always} {} ({when} in {shown} of {of_shown} episodes that showed it, at any time in {elsewhere} of {of_others} \
+             others; {p}, corrected for {} rules{as_good})",
+            self.rule_in_words(),
+            self.rules
+        )
+    }
 }
 
 /// What brought a finding about.

@@ -62,7 +62,8 @@ pub use disagreement::{
     RegionShares, SearchEnd,
 };
 pub use exploration::{
-    BrokenEpisode, CauseFound, CauseSetting, Confirmation, Discovery, Exploration, Stopped,
+    BrokenEpisode, CauseFound, CauseSetting, Confirmation, Discovery, Distinction, Exploration,
+    SignalRelation, SignalTerm, Stopped,
 };
 pub use failure::{EpisodeFailures, FailureKind};
 pub use finding::{

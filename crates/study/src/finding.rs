@@ -6,6 +6,7 @@
 //! found_by = "random tests, boundary values"
 //! program = "0.1.0"
 //! seed = "17263545121"
+//! expected = "fails"
 //!
 //! [bench]
 //! evidence = "E2"
@@ -40,7 +41,10 @@ use std::path::Path;
 use stimulus::{AbstractTest, Settings, Stimulus};
 
 /// The version of the file's form.
-pub const FORMAT: &str = "1.0";
+pub const FORMAT: &str = "1.1";
+
+/// The forms that are read; before 1.1 a finding was always expected to fail.
+const READ: [&str; 2] = ["1.0", FORMAT];
 
 /// One episode that showed something.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +59,8 @@ pub struct Finding {
     pub bench: BenchFiles,
     /// What the episode shows.
     pub shows: Shows,
+    /// Whether it is expected to show it still.
+    pub expected: Expected,
     /// BLAKE3 of the episode's whole recording as MCAP, if it is known.
     pub recording: Option<String>,
     /// What was done to the bench.
@@ -81,6 +87,27 @@ pub struct BenchFiles {
     /// decided by then; it runs to its own end if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until_secs: Option<u32>,
+}
+
+/// What a regression is expected to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Expected {
+    /// It shows what it did: the fault is known and still there.
+    #[default]
+    Fails,
+    /// It no longer shows it: the fault was mended and must not come back.
+    Passes,
+}
+
+impl Expected {
+    /// As a file has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fails => "fails",
+            Self::Passes => "passes",
+        }
+    }
 }
 
 /// What an episode shows.
@@ -118,6 +145,17 @@ pub(crate) fn schema() -> schemars::Schema {
 }
 
 impl Shows {
+    /// How much it matters: what matters more comes first.
+    pub fn rank(&self) -> u8 {
+        match self {
+            Self::Violated(_) => 0,
+            Self::FailureMode(_) => 1,
+            Self::Failed(FailureKind::ControllerFailed | FailureKind::ControllerHung) => 2,
+            Self::Unknown(_) => 3,
+            Self::Failed(FailureKind::SimulatorFailed | FailureKind::SimulatorHung) => 4,
+        }
+    }
+
     /// Whether the simulator failed, which says nothing of the robot.
     pub fn is_of_simulator(&self) -> bool {
         matches!(
@@ -158,11 +196,14 @@ struct Text {
     program: String,
     /// The seed of the episode, as a text since it may be larger than TOML's whole numbers.
     seed: String,
+    /// What `replay --check` expects of it: `fails` until the fault is mended, `passes` from then on.
+    #[serde(default)]
+    expected: Expected,
     /// What was run.
     bench: BenchFiles,
     /// What the episode shows.
     shows: Shows,
-    /// Its recording, relative to the file.
+    /// BLAKE3 of its whole recording as MCAP.
     #[serde(default)]
     recording: Option<String>,
     /// What was done.
@@ -179,6 +220,7 @@ struct Head<'a> {
     found_by: &'a str,
     program: &'a str,
     seed: String,
+    expected: Expected,
     #[serde(skip_serializing_if = "Option::is_none")]
     recording: Option<&'a str>,
     bench: &'a BenchFiles,
@@ -199,9 +241,9 @@ impl Finding {
         let bad = |word: &str, message: String| {
             Problem::new("bad-finding", message).at(source, toml_place(source, &[word]))
         };
-        if text.format != FORMAT {
+        if !READ.contains(&text.format.as_str()) {
             let message = format!("the format `{}` is not known", text.format);
-            return Err(bad("format", message).remedy(format!("this program reads {FORMAT}")));
+            return Err(bad("format", message).remedy(format!("this program reads {}", READ.join(" and "))));
         }
         let seed = text.seed.parse().map_err(|_| {
             bad("seed", format!("`{}` is no seed", text.seed))
@@ -221,6 +263,7 @@ impl Finding {
             seed,
             bench: text.bench,
             shows: text.shows,
+            expected: text.expected,
             recording: text.recording,
             stimulus,
         })
@@ -237,6 +280,7 @@ impl Finding {
             found_by: &self.found_by,
             program: &self.program,
             seed: self.seed.to_string(),
+            expected: self.expected,
             recording: self.recording.as_deref(),
             bench: &self.bench,
             shows: &self.shows,
@@ -249,10 +293,53 @@ impl Finding {
         Ok(text)
     }
 
+    /// Says in a finding's file what is expected of it, and leaves all else as it is.
+    pub fn expect(path: &Path, expected: Expected) -> Result<(), Problem> {
+        let source = host::files::read_source(path)?;
+        let mut wanted = Self::parse(&source)?;
+        wanted.expected = expected;
+        let text = with_expected(&source.text, expected);
+        let written = Source {
+            name: source.name.clone(),
+            text,
+        };
+        if Self::parse(&written).ok().as_ref() != Some(&wanted) {
+            let message = format!("{}: the line of `expected` is not found", source.name);
+            return Err(Problem::new("cannot-write", message)
+                .remedy(format!("write `expected = \"{}\"` there by hand", expected.name())));
+        }
+        write_whole(path, written.text.as_bytes())
+    }
+
     /// Writes the finding's file.
     pub fn write(&self, path: &Path, comment: &str) -> Result<(), Problem> {
         write_whole(path, self.to_toml(comment)?.as_bytes())
     }
+}
+
+/// A finding's text with what is expected of it: in the line that says so, or before the first table.
+fn with_expected(text: &str, expected: Expected) -> String {
+    let line = format!("expected = \"{}\"", expected.name());
+    let key = |it: &str| it.split('=').next().is_some_and(|key| key.trim() == "expected");
+    let is_table = |it: &&str| it.trim_start().starts_with('[');
+    let head = text.lines().take_while(|it| !is_table(it)).count();
+    let place = text.lines().take(head).position(key);
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    match place {
+        Some(place) => lines[place] = line,
+        None => {
+            // The head ends with what it has, and not with the lines between it and the table.
+            let before = lines[..head].iter().rposition(|it| !it.trim().is_empty());
+            lines.insert(before.map_or(0, |at| at + 1), line);
+        }
+    }
+    // Files of this program were written in the form before.
+    for it in lines.iter_mut().take(head) {
+        if it.trim() == "format = \"1.0\"" {
+            *it = format!("format = \"{FORMAT}\"");
+        }
+    }
+    lines.join("\n") + "\n"
 }
 
 #[cfg(test)]
@@ -275,6 +362,7 @@ mod tests {
                 ..BenchFiles::default()
             },
             shows,
+            expected: Expected::Fails,
             recording: None,
             stimulus,
         }
@@ -312,10 +400,37 @@ mod tests {
     }
 
     #[test]
+    fn what_is_expected_is_written_into_a_file_and_the_rest_is_left() {
+        let folder = std::env::temp_dir().join(format!("expected-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("f.toml");
+        let now = finding(Shows::Violated("8".into())).to_toml("my note").unwrap();
+        // As it was written before there was the key.
+        let before = now
+            .replace("expected = \"fails\"\n", "")
+            .replace("\"1.1\"", "\"1.0\"");
+        assert!(!before.contains("expected"));
+        for text in [&now, &before] {
+            std::fs::write(&path, text).unwrap();
+            Finding::expect(&path, Expected::Passes).unwrap();
+            assert_eq!(Finding::read(&path).unwrap().expected, Expected::Passes);
+            Finding::expect(&path, Expected::Fails).unwrap();
+            let again = std::fs::read_to_string(&path).unwrap();
+            assert!(again.starts_with("# my note\n") && again.contains("expected = \"fails\"\n"));
+            let mut lines: Vec<&str> = again.lines().collect();
+            let mut expected: Vec<&str> = now.lines().collect();
+            (lines.sort_unstable(), expected.sort_unstable());
+            assert_eq!(lines, expected);
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
     fn a_finding_that_cannot_be_used_is_refused_with_its_place() {
         let good = finding(Shows::Violated("8".into())).to_toml("").unwrap();
         let broken = [
-            (good.replace("\"1.0\"", "\"9\""), "format `9`"),
+            (good.replace("\"1.1\"", "\"9\""), "format `9`"),
+            (good.replace("\"fails\"", "\"fail\""), "fail"),
             (
                 good.replace("18446744073709551615", "-1"),
                 "`-1` is no seed",

@@ -26,7 +26,7 @@ mod toml_text;
 mod vocabulary;
 mod weighing;
 
-pub use finding::{BenchFiles, Finding, Shows, UnknownStep};
+pub use finding::{BenchFiles, Expected, Finding, Shows, UnknownStep};
 pub use judging_form::{FormulaRule, JudgingForm, Rule, START_WITHIN_SECS, is_name};
 pub use ledger::{
     Calibrated, Choice, CommandText, Entry, Keep, Method, OnFailure, Parts, RecordingFiles,

@@ -1,15 +1,31 @@
 //! How far two recordings of the same test lie apart, signal by signal.
 //!
 //! Definition: for the rows of a topic whose times are in both recordings, the difference of a
-//! number is `d = second - first`, of an angle within a turn the one on the shorter way round; the
-//! root mean square of `d` and its largest size are given. Truth values and names have the share of
-//! rows in which they differ. Rows where either has no number are counted apart.
+//! number is `d = second - first`, in the unit of the first; the root mean square of `d` and its largest size are given.
+//! An angle (a number in rad, deg or another unit of angles) is taken the shorter way round where both recordings have it within
+//! the same turn, from -180 to 180 or from 0 to 360 degrees; beyond that it counts turns, as of a wheel, and is a number as
+//! others. Truth values and names are equal or not, by their names: they have the share of rows in which they differ. Rows
+//! where either has no value are counted apart. Numbers whose units measure different things are compared in no row.
 //!
 //! Source: elementary. Cost: one pass over both recordings.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-use trace::{Channel, FieldKind, Trace};
+use trace::units::{Conversion, Dimension, Unit};
+use trace::{Channel, Field, FieldKind, Trace};
+
+/// What a signal's values are to a comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compared {
+    /// A number.
+    Number,
+    /// A number that is an angle.
+    Angle,
+    /// A truth value: the sums are those of rows in which it holds.
+    Truth,
+    /// A name, which has no mean.
+    Name,
+}
 
 /// How far a signal lies apart.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +34,8 @@ pub struct Difference {
     pub signal: String,
     /// The unit of its numbers; empty for truth values and names.
     pub unit: String,
+    /// What its values are.
+    pub kind: Compared,
     /// Rows with a number in both recordings.
     pub rows: u64,
     /// Rows with a number in one of them only, or with a time that the other has not.
@@ -30,6 +48,10 @@ pub struct Difference {
     pub largest_at_secs: f64,
     /// Sums of the values in the first and the second recording, over the matched rows.
     pub sums: [f64; 2],
+    /// The least and the greatest value of both, over the matched rows; without rows infinity and minus infinity.
+    pub range: [f64; 2],
+    /// Whether an angle was taken the shorter way round the other side, so that a mean of its numbers says nothing.
+    pub wrapped: bool,
 }
 
 impl Difference {
@@ -38,8 +60,25 @@ impl Difference {
     #[must_use]
     pub fn typical(&self) -> Option<f64> {
         let mean = self.sum_of_squares / self.rows as f64;
-        let is_number = !self.unit.is_empty();
-        (self.rows > 0).then_some(if is_number { mean.sqrt() } else { mean })
+        let typical = match self.kind {
+            Compared::Number | Compared::Angle => mean.sqrt(),
+            Compared::Truth | Compared::Name => mean,
+        };
+        (self.rows > 0).then_some(typical)
+    }
+
+    /// The means of the values in the first and the second recording; `None` without rows and where a mean says nothing: of
+    /// names, and of angles on both sides of where they begin again.
+    #[must_use]
+    pub fn means(&self) -> Option<[f64; 2]> {
+        let has_mean = self.rows > 0 && !self.wrapped && self.kind != Compared::Name;
+        has_mean.then(|| self.sums.map(|sum| sum / self.rows as f64))
+    }
+
+    /// How far the values of both recordings range.
+    #[must_use]
+    pub fn span(&self) -> f64 {
+        (self.range[1] - self.range[0]).max(0.0)
     }
 
     /// Adds what another pair of recordings shows of the same signal.
@@ -48,6 +87,11 @@ impl Difference {
         self.unmatched += other.unmatched;
         self.sum_of_squares += other.sum_of_squares;
         self.sums = [0, 1].map(|index| self.sums[index] + other.sums[index]);
+        self.range = [
+            self.range[0].min(other.range[0]),
+            self.range[1].max(other.range[1]),
+        ];
+        self.wrapped |= other.wrapped;
         if other.largest > self.largest {
             (self.largest, self.largest_at_secs) = (other.largest, other.largest_at_secs);
         }
@@ -73,33 +117,110 @@ fn of_channels(a: &Channel, b: &Channel) -> Vec<Difference> {
     shared
         .into_iter()
         .map(|(in_a, in_b)| {
-            let field = &a.fields[in_a];
-            let is_number = field.kind == FieldKind::Number;
-            let mut found = Difference {
-                signal: format!("{}.{}", a.topic, field.name),
-                unit: match (is_number, field.unit.as_str()) {
-                    (true, "") => "1".to_owned(),
-                    (true, unit) => unit.to_owned(),
-                    (false, _) => String::new(),
-                },
-                rows: 0,
-                unmatched: unpaired,
-                sum_of_squares: 0.0,
-                largest: 0.0,
-                largest_at_secs: 0.0,
-                sums: [0.0; 2],
-            };
-            for (row_a, row_b) in &pairs {
-                let values = [a.row(*row_a)[in_a], b.row(*row_b)[in_b]];
-                found.see(a.times_secs[*row_a], values);
+            let fields = [&a.fields[in_a], &b.fields[in_b]];
+            let mut found = Difference::none(format!("{}.{}", a.topic, fields[0].name), fields[0]);
+            found.unmatched = unpaired;
+            match Common::of(fields) {
+                None => found.unmatched += 2 * pairs.len() as u64,
+                Some(common) => {
+                    for (row_a, row_b) in &pairs {
+                        let values = [a.row(*row_a)[in_a], b.row(*row_b)[in_b]];
+                        found.see(a.times_secs[*row_a], values, &common);
+                    }
+                }
             }
             found
         })
         .collect()
 }
 
+/// How the second recording's values become values of the first's kind.
+struct Common {
+    conversion: Conversion,
+    /// The first's code of each of the second's names; more than there are where the first does not have it.
+    codes: Option<Vec<f64>>,
+    /// A whole turn, of an angle.
+    turn: Option<f64>,
+}
+
+impl Common {
+    /// `None` if the two cannot be compared.
+    fn of([first, second]: [&Field; 2]) -> Option<Self> {
+        let mut common = Self {
+            conversion: Conversion::NONE,
+            codes: None,
+            turn: None,
+        };
+        match (&first.kind, &second.kind) {
+            (FieldKind::Number, FieldKind::Number) => {
+                if first.unit != second.unit {
+                    let units: [Unit; 2] = [second.unit.parse().ok()?, first.unit.parse().ok()?];
+                    common.conversion = units[0].conversion_to(&units[1])?;
+                }
+                common.turn = turn_in(&first.unit);
+            }
+            (FieldKind::Bool, FieldKind::Bool) => {}
+            (FieldKind::Enumeration(own), FieldKind::Enumeration(others)) => {
+                let code = |(place, name): (usize, &String)| {
+                    let found = own.iter().position(|known| known == name);
+                    found.unwrap_or(own.len() + place) as f64
+                };
+                common.codes = Some(others.iter().enumerate().map(code).collect());
+            }
+            (FieldKind::Number | FieldKind::Bool | FieldKind::Enumeration(_), _) => return None,
+        }
+        Some(common)
+    }
+
+    /// A value of the second recording as one of the first's.
+    fn converted(&self, value: f64) -> f64 {
+        match &self.codes {
+            None => self.conversion.apply(value),
+            Some(codes) => {
+                let code = (value >= 0.0).then(|| codes.get(value as usize)).flatten();
+                code.copied().unwrap_or(f64::NAN)
+            }
+        }
+    }
+}
+
+/// A whole turn in a unit of angles.
+fn turn_in(unit: &str) -> Option<f64> {
+    let unit: Unit = unit.parse().ok()?;
+    let radians = Unit::coherent(Dimension::ANGLE);
+    Some(radians.conversion_to(&unit)?.apply(TAU))
+}
+
 impl Difference {
-    fn see(&mut self, time_secs: f64, [first, second]: [f64; 2]) {
+    /// Nothing seen yet of a field.
+    fn none(signal: String, field: &Field) -> Self {
+        let kind = match &field.kind {
+            FieldKind::Number if turn_in(&field.unit).is_some() => Compared::Angle,
+            FieldKind::Number => Compared::Number,
+            FieldKind::Bool => Compared::Truth,
+            FieldKind::Enumeration(_) => Compared::Name,
+        };
+        Self {
+            signal,
+            unit: match (kind, field.unit.as_str()) {
+                (Compared::Truth | Compared::Name, _) => String::new(),
+                (Compared::Number | Compared::Angle, "") => "1".to_owned(),
+                (Compared::Number | Compared::Angle, unit) => unit.to_owned(),
+            },
+            kind,
+            rows: 0,
+            unmatched: 0,
+            sum_of_squares: 0.0,
+            largest: 0.0,
+            largest_at_secs: 0.0,
+            sums: [0.0; 2],
+            range: [f64::INFINITY, f64::NEG_INFINITY],
+            wrapped: false,
+        }
+    }
+
+    fn see(&mut self, time_secs: f64, [first, second]: [f64; 2], common: &Common) {
+        let second = common.converted(second);
         match (first.is_nan(), second.is_nan()) {
             (true, true) => return,
             (false, false) => {}
@@ -109,20 +230,37 @@ impl Difference {
             }
         }
         let mut apart = (second - first).abs();
-        let is_angle = self.unit == "rad" && first.abs() <= PI && second.abs() <= PI;
-        if is_angle {
-            apart = apart.min(TAU - apart);
+        if let Some(turn) = common.turn
+            && in_one_turn(first, second, turn)
+            && turn - apart < apart
+        {
+            apart = turn - apart;
+            self.wrapped = true;
         }
-        if self.unit.is_empty() {
+        if matches!(self.kind, Compared::Truth | Compared::Name) {
             apart = f64::from(u8::from(first != second));
         }
         self.rows += 1;
         self.sum_of_squares += apart * apart;
         self.sums = [self.sums[0] + first, self.sums[1] + second];
+        self.range = [
+            self.range[0].min(first).min(second),
+            self.range[1].max(first).max(second),
+        ];
         if apart > self.largest {
             (self.largest, self.largest_at_secs) = (apart, time_secs);
         }
     }
+}
+
+/// Whether both are from minus to plus half a turn, or both from nothing to a whole one. Numbers of a recording may be
+/// rounded, and so lie next to it.
+fn in_one_turn(first: f64, second: f64, turn: f64) -> bool {
+    let next = turn * 1e-6;
+    let both = |low: f64, high: f64| {
+        [first, second].iter().all(|it| (low - next..=high + next).contains(it))
+    };
+    both(-turn / 2.0, turn / 2.0) || both(0.0, turn)
 }
 
 /// Rows of the same time, each used once, and how many rows are left over. Times do not go back;
@@ -190,6 +328,68 @@ mod tests {
         assert!((yaw.largest - 0.5).abs() < 1e-15);
         assert!((yaw.sum_of_squares - 0.25 - (TAU - 6.0).powi(2)).abs() < 1e-12);
         assert_eq!(touching.typical(), Some(0.5));
+    }
+
+    /// A recording with one signal.
+    fn of_one(field: Field, values: &[f64]) -> Trace {
+        let mut trace = Trace::new();
+        let channel = trace.add_channel("/a", vec![field]).expect("a new topic");
+        for (second, value) in values.iter().enumerate() {
+            let pushed = trace.channels[channel].push(second as f64, &[*value]);
+            pushed.expect("in order");
+        }
+        trace
+    }
+
+    fn one(first: (Field, &[f64]), second: (Field, &[f64])) -> Difference {
+        let [first, second] = [first, second].map(|(field, values)| of_one(field, values));
+        differences(&first, &second).remove(0)
+    }
+
+    #[test]
+    fn names_are_compared_by_name_and_have_no_mean() {
+        let own = Field::enumeration("mode", ["idle", "carry", "full"]);
+        let other = Field::enumeration("mode", ["carry", "lost", "idle"]);
+        // The same but at the third row, where the second has a name that the first does not know.
+        let found = one((own.clone(), &[0.0, 1.0, 2.0]), (other, &[2.0, 0.0, 1.0]));
+        assert_eq!((found.rows, found.sum_of_squares, found.kind), (3, 1.0, Compared::Name));
+        assert_eq!((found.largest, found.largest_at_secs), (1.0, 2.0));
+        assert_eq!(found.means(), None);
+        let far = one((own.clone(), &[0.0]), (own, &[2.0]));
+        assert_eq!(far.largest, 1.0);
+    }
+
+    #[test]
+    fn an_angle_is_wrapped_within_a_turn_in_its_own_unit_and_counts_turns_beyond() {
+        let degrees = || Field::number("yaw", "deg");
+        let found = one((degrees(), &[179.0, 10.0]), (degrees(), &[-179.0, 12.0]));
+        assert!((found.largest - 2.0).abs() < 1e-9 && found.kind == Compared::Angle);
+        assert!(found.wrapped && found.means().is_none());
+        // From nothing to a whole turn.
+        let found = one((degrees(), &[1.0]), (degrees(), &[359.0]));
+        assert!((found.largest - 2.0).abs() < 1e-9, "{found:?}");
+        // A wheel that has turned once more.
+        let found = one((degrees(), &[400.0]), (degrees(), &[760.0]));
+        assert!((found.largest - 360.0).abs() < 1e-9 && found.means().is_some());
+        // A number in rad/s or of no unit is none.
+        for unit in ["rad/s", "1", "m"] {
+            let field = || Field::number("yaw", unit);
+            let found = one((field(), &[3.0]), (field(), &[-3.0]));
+            assert_eq!((found.largest, found.kind), (6.0, Compared::Number));
+        }
+    }
+
+    #[test]
+    fn numbers_are_compared_in_the_unit_of_the_first_and_not_at_all_if_they_measure_other_things() {
+        let field = |unit: &str| Field::number("x", unit);
+        let found = one((field("m"), &[1.0]), (field("cm"), &[150.0]));
+        assert!((found.largest - 0.5).abs() < 1e-12 && found.unit == "m");
+        let turned = one((field("rad"), &[3.0]), (field("deg"), &[-180.0]));
+        assert!((turned.largest - (std::f64::consts::PI - 3.0)).abs() < 1e-9);
+        let apart = one((field("m"), &[1.0]), (field("s"), &[1.0]));
+        assert_eq!((apart.rows, apart.unmatched), (0, 2));
+        let apart = one((field("m"), &[1.0]), (Field::bool("x"), &[1.0]));
+        assert_eq!((apart.rows, apart.unmatched), (0, 2));
     }
 
     #[test]

@@ -37,7 +37,7 @@ pub use bench::{
     Bench, Cancel, Control, Creep, Drawn, End, Failure, Part, Recorded, Savable, ScenarioError,
     SimError, Status, Unwatched, Watch,
 };
-pub use difference::{Difference, differences};
+pub use difference::{Compared, Difference, differences};
 pub use hull::hull_triangles;
 pub use mujoco::{
     BodyId, Contact, DriveLaw, Engine, EngineError, GeomId, JointId, RayHit, SUPPORTED_VERSION,

@@ -12,6 +12,7 @@ Examples:
   corroborate shrink case-studies/handover results/exploration/findings/violated-8.toml
   corroborate shrink my-study found.toml --budget 500 --name dropped
   corroborate shrink my-study found.toml --seeds 3/5
+  corroborate shrink my-study found.toml --margin 0.3
   corroborate shrink my-study E4:5 --only 1a
 
 Makes the episode of a finding, or one of an evidence by its number, smaller
@@ -21,7 +22,8 @@ friction, a pull) becomes a setting first and goes back to its nominal value, or
 as near to that as still shows it, so that what is left names the cause. The
 finding's own seed is kept; with --seeds K/N it must show in at least K of N
 seeds, the finding's own among them, so that what is left does not hang on one
-draw. The result goes to STUDY/regressions/NAME.toml; `corroborate replay STUDY
+draw. What is kept violates its requirement clearly and not by a hair, by at
+least a margin: --margin. The result goes to STUDY/regressions/NAME.toml; `corroborate replay STUDY
 --check` runs all of them again. Interrupted, it keeps the smallest so far.
 Exits 3 if the finding is not shown when it is run again.")]
 pub struct Shrink {
@@ -42,6 +44,11 @@ pub struct Shrink {
     /// In how many of how many seeds it must show.
     #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = seeds)]
     pub seeds: (u32, u32),
+    /// By how much what is kept has to violate its requirement, as a share of
+    /// what is allowed: of a limit, or of a time. Without it a tenth, or half of
+    /// what the finding does if that is less; 0 for a violation by a hair.
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub margin: Option<f64>,
     /// In which physics scenarios are tried first: the fast one where the bench has one, without this. The full physics
     /// goes on from what the fast one proposes, and shows what is kept.
     #[arg(long, value_parser = super::choice::<SearchPhysics>(), value_name = "PHYSICS")]
@@ -66,15 +73,23 @@ Examples:
   corroborate replay case-studies/handover regressions/dropped.toml
   corroborate replay case-studies/handover E4:17 --only 1a --out /tmp/seventeen
   corroborate replay case-studies/handover --check
+  corroborate replay my-study --check --junit regressions.xml
+  corroborate replay my-study --check --update
 
 Runs one episode again, bit for bit: that of a finding or regression, or an
 episode of an evidence by its number. The folder gets replay.html (a 3D view
 with signals and verdicts; opens offline), recording.mcap (everything recorded),
 verdicts.mcap and scene.mcap (for Foxglove's 3D panel). With --check all
-regressions are run again and nothing is written.
-Exits 1 if a finding or regression no longer shows what it did, 3 if it does
-but the recording is not the same bytes as before (another machine or another
-version of the program; --check only says so).")]
+regressions are run again. The file of each says what is expected of it:
+`expected = \"fails\"` until its fault is mended, `expected = \"passes\"` from then
+on. To pass, its requirement has to come up and to be decided. --check exits 1 if
+one that is expected to pass fails again, if one that is expected to fail passes
+(with --update that is written into its file and is no failure), or if one
+neither fails nor passes or cannot be run; --junit writes the same for a build
+server.
+Without --check exits 1 if a finding or regression no longer shows what it did, 3
+if it does but the recording is not the same bytes as before (another machine or
+another version of the program; --check only says so).")]
 pub struct Replay {
     /// The study's folder.
     pub study: PathBuf,
@@ -85,9 +100,16 @@ pub struct Replay {
         required_unless_present = "check"
     )]
     pub what: Vec<String>,
-    /// Run regressions again and say which no longer show what they did.
+    /// Run regressions again and say which do not do what is expected of them.
     #[arg(long, conflicts_with_all = ["only", "out"])]
     pub check: bool,
+    /// With --check: write into the files of those that pass that they are
+    /// expected to pass from now on.
+    #[arg(long, requires = "check")]
+    pub update: bool,
+    /// With --check: also write the result as JUnit XML.
+    #[arg(long, value_name = "FILE", requires = "check")]
+    pub junit: Option<PathBuf>,
     /// Show this requirement or failure mode (may be repeated). Without it, what
     /// the finding is of, or all that is violated.
     #[arg(long, value_name = "ID")]
@@ -101,6 +123,14 @@ pub struct Replay {
     /// How the result is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+}
+
+/// A number from 0 on.
+fn share(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok();
+    number
+        .filter(|it| it.is_finite() && *it >= 0.0)
+        .ok_or_else(|| "write a number from 0 on, for example 0.2: a fifth of what is allowed".to_owned())
 }
 
 /// `K/N` with 1 <= K <= N <= 1000.

@@ -3,7 +3,9 @@
 
 use super::{Done, Host, json, use_threads};
 use crate::args::{Engines, Format};
-use corroborate::engines::{EnginesReport, EnginesRequest, Repeated, SignalReport, VerdictReport};
+use corroborate::engines::{
+    EnginesReport, EnginesRequest, Repeated, SignalKind, SignalReport, VerdictReport,
+};
 use corroborate::outcome::Outcome;
 use corroborate::technique::campaign::failures_in_words;
 use diagnostic::Problem;
@@ -19,6 +21,7 @@ pub fn engines(arguments: &Engines, setting: &Host) -> Result<Done, Problem> {
         seed: arguments.seed,
         determinism: arguments.determinism,
         against: arguments.against.clone(),
+        tolerances: arguments.tolerance.iter().cloned().collect(),
     };
     let report = corroborate::engines(&request, setting)?;
     Ok(Done {
@@ -37,37 +40,94 @@ fn text(report: &EnginesReport) -> String {
     let mut out = String::new();
     let (engines, episodes) = (report.engines.join(" and "), report.episodes);
     let _ = writeln!(out, "{}: {episodes} episodes in {engines}", report.evidence);
-    signals(&report.signals, &mut out);
-    for one in &report.verdicts {
-        verdict(one, episodes, &mut out);
+    if report.repeated.is_empty() {
+        verdicts(&report.verdicts, episodes, &mut out);
     }
     for engine in &report.failures {
         for failures in &engine.failures {
             let _ = writeln!(out, "{}: {}", engine.engine, failures_in_words(failures));
         }
     }
+    events(&report.signals, &mut out);
+    numbers(&report.signals, &mut out);
+    let same = report.signals.iter().filter(|it| it.is_same() && it.rows > 0);
+    let not_compared = report.signals.iter().filter(|it| it.rows == 0);
+    if !report.signals.is_empty() {
+        let _ = writeln!(out, "\n{} of {} signals are the same", same.count(), report.signals.len());
+    }
+    for signal in not_compared {
+        let _ = writeln!(
+            out,
+            "{}: compared in no row, since the recordings have it at other times or in units of other quantities",
+            signal.signal
+        );
+    }
     repeated(&report.repeated, &mut out);
     out
 }
 
-/// How far each signal lies apart.
-fn signals(signals: &[SignalReport], out: &mut String) {
-    if !signals.is_empty() {
+/// The verdicts, those that differ first.
+fn verdicts(verdicts: &[VerdictReport], episodes: u64, out: &mut String) {
+    let differ = verdicts.iter().filter(|it| !it.differ.is_empty()).count();
+    let _ = match differ {
+        0 => writeln!(out, "\nNo verdict differs."),
+        _ => writeln!(out, "\nVerdicts differ"),
+    };
+    for (place, one) in verdicts.iter().enumerate() {
+        if place == differ && differ > 0 {
+            let _ = writeln!(out, "Verdicts that are the same");
+        }
+        verdict(one, episodes, out);
+    }
+}
+
+/// Truth values and names that differ.
+fn events(signals: &[SignalReport], out: &mut String) {
+    let differ = signals
+        .iter()
+        .filter(|it| it.kind == SignalKind::Event && !it.is_same());
+    for (place, signal) in differ.enumerate() {
+        if place == 0 {
+            let _ = writeln!(
+                out,
+                "\n{:<44} {:>12} {:>12}",
+                "truth value or name", "rows differ", "at s"
+            );
+        }
+        let share = signal.typical.unwrap_or(0.0) * 100.0;
         let _ = writeln!(
             out,
-            "\n{:<44} {:>12} {:>12} {:>9} {:>12} {:>12}",
-            "signal", "rms", "largest", "at s", "mean 1", "mean 2"
+            "{:<44} {share:>10.3} % {:>12.3}",
+            signal.signal, signal.largest_at_secs
         );
     }
-    for signal in signals {
-        let name = match signal.unit.as_str() {
-            "" => format!("{} (share)", signal.signal),
-            unit => format!("{} ({unit})", signal.signal),
+}
+
+/// Numbers that differ, those that lie furthest apart first.
+fn numbers(signals: &[SignalReport], out: &mut String) {
+    let differ = signals
+        .iter()
+        .filter(|it| it.kind != SignalKind::Event && !it.is_same());
+    for (place, signal) in differ.enumerate() {
+        if place == 0 {
+            let _ = writeln!(
+                out,
+                "\n{:<44} {:>14} {:>12} {:>12} {:>9} {:>12} {:>12}",
+                "number", "relative", "rms", "largest", "at s", "mean 1", "mean 2"
+            );
+        }
+        let name = match signal.kind {
+            SignalKind::Angle => format!("{} ({}, angle)", signal.signal, signal.unit),
+            SignalKind::Number | SignalKind::Event => format!("{} ({})", signal.signal, signal.unit),
+        };
+        let relative = match signal.tolerance {
+            Some(_) => format!("{:.2} x tol.", signal.relative()),
+            None => format!("{:.3} % range", signal.relative() * 100.0),
         };
         let number = |number: Option<f64>| number.map_or("-".to_owned(), |n| format!("{n:.6}"));
         let _ = writeln!(
             out,
-            "{name:<44} {:>12} {:>12.6} {:>9.3} {:>12} {:>12}",
+            "{name:<44} {relative:>14} {:>12} {:>12.6} {:>9.3} {:>12} {:>12}",
             number(signal.typical),
             signal.largest,
             signal.largest_at_secs,
@@ -79,11 +139,14 @@ fn signals(signals: &[SignalReport], out: &mut String) {
 
 /// What the recordings show of one requirement or failure mode.
 fn verdict(verdict: &VerdictReport, episodes: u64, out: &mut String) {
-    let reading = verdict.reading.as_deref().unwrap_or_default();
+    let reading = match &verdict.reading {
+        Some(reading) => format!(" ({reading})"),
+        None => String::new(),
+    };
     let [first, second] = verdict.violated;
     let _ = writeln!(
         out,
-        "{:<24} {reading} violated in {first} and {second}; verdicts differ in {} of {episodes}",
+        "{:<24}{reading} violated in {first} and {second}; verdicts differ in {} of {episodes}",
         verdict.subject.id(),
         verdict.differ.len()
     );

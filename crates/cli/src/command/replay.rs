@@ -1,6 +1,7 @@
 //! `corroborate replay`: one episode run again, bit for bit, as recording,
 //! verdicts and a 3D page; or all regressions, as tests.
 
+mod junit;
 mod regressions;
 
 use super::{Done, Host, json, use_threads};

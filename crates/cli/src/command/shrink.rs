@@ -16,6 +16,7 @@ pub fn shrink(arguments: &Shrink, setting: &Host) -> Result<Done, Problem> {
         only: arguments.only.clone(),
         budget: arguments.budget,
         seeds: arguments.seeds,
+        margin: arguments.margin,
         physics: arguments.physics,
         exploration: arguments.exploration.clone(),
         name: arguments.name.clone(),
@@ -41,7 +42,8 @@ fn as_text(report: &ShrinkReport, study: &Path) -> String {
         false => report.test.to_string(),
     };
     let causes = report.causes_in_words();
-    text.push_str(&format!("what is left: {left}\n{causes}\n"));
+    let clarity = report.clarity_in_words();
+    text.push_str(&format!("{clarity}\nwhat is left: {left}\n{causes}\n"));
     text.push_str(match report.is_minimal {
         true => "no single action, value or setting can be left out, nor come nearer to its nominal value\n",
         false => "the search ended early: perhaps it can be made smaller still\n",

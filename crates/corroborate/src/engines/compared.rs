@@ -1,6 +1,9 @@
 //! The same episodes in two engines, or of two entries: how far their recordings lie apart, and where their verdicts differ.
 
-use super::report::{EngineFailures, EnginesReport, SignalReport, VerdictPair, VerdictReport};
+use super::report::{
+    EngineFailures, EnginesReport, SignalKind, SignalReport, VerdictPair,
+    VerdictReport,
+};
 use crate::technique::campaign::{Ended, FailureCounts, ended, stops};
 use crate::technique::confidence;
 use crate::technique::simulation::Seeds;
@@ -13,7 +16,8 @@ use rayon::prelude::*;
 use rig::Rig;
 use study::{Entry, Study};
 use temporal::monitor::Verdict;
-use testbench::{Difference, Unwatched, differences};
+use std::collections::BTreeMap;
+use testbench::{Compared as Kind, Difference, Unwatched, differences};
 
 /// A call, with what it names.
 pub struct Called<'a> {
@@ -23,6 +27,8 @@ pub struct Called<'a> {
     /// What each of them is called.
     pub names: &'a [String],
     pub numbers: Vec<u64>,
+    /// By how much numbers may differ, by signal.
+    pub tolerances: &'a BTreeMap<String, f64>,
     pub seeds: Seeds,
     pub host: &'a Host,
 }
@@ -75,8 +81,11 @@ impl Called<'_> {
                 failed.map(|(number, it)| (*number, it.failed[which], it.words[which].as_str()));
             stops(self.entry, &self.seeds, failed)?;
         }
-        report.signals = signals(&compared);
+        report.signals = signals(&compared, self.tolerances);
+        unknown_tolerance(self.tolerances, &report.signals)?;
         report.verdicts = self.verdicts(&judges, &compared);
+        // Those that differ come first.
+        report.verdicts.sort_by_key(|it| std::cmp::Reverse(it.differ.len()));
         report.failures = self.failures(&compared)?;
         report.fail_alike = compared.iter().all(|it| it.failed[0] == it.failed[1]);
         Ok(())
@@ -138,8 +147,9 @@ impl Called<'_> {
     }
 }
 
-/// All episodes' differences together, in the order of the recordings.
-fn signals(compared: &[Compared]) -> Vec<SignalReport> {
+/// All episodes' differences together, what matters first: signals that differ, truth values and names before numbers, and
+/// of each those that differ most, by share of rows or by tolerance.
+fn signals(compared: &[Compared], tolerances: &BTreeMap<String, f64>) -> Vec<SignalReport> {
     let mut sums: Vec<Difference> = Vec::new();
     for episode in compared {
         for difference in &episode.differences {
@@ -149,15 +159,53 @@ fn signals(compared: &[Compared]) -> Vec<SignalReport> {
             }
         }
     }
-    let report = |sum: Difference| SignalReport {
+    let mut reports: Vec<SignalReport> = sums.into_iter().map(|sum| of_signal(sum, tolerances)).collect();
+    // Equals stay in the order of the recordings.
+    reports.sort_by(|a, b| {
+        let order = (a.order(), a.tolerance.is_none()).cmp(&(b.order(), b.tolerance.is_none()));
+        order.then_with(|| b.relative().total_cmp(&a.relative()))
+    });
+    reports
+}
+
+/// Fails if a tolerance is of no number that is compared.
+fn unknown_tolerance(
+    tolerances: &BTreeMap<String, f64>,
+    signals: &[SignalReport],
+) -> Result<(), Problem> {
+    let is_there = |name: &String| {
+        let mut numbers = signals.iter().filter(|it| it.kind != SignalKind::Event);
+        numbers.any(|it| it.signal == *name)
+    };
+    let Some((name, _)) = tolerances.iter().find(|(name, _)| !is_there(name)) else {
+        return Ok(());
+    };
+    let message = format!("`{name}` has a tolerance and is not a number of both recordings");
+    let known = signals.iter().map(|it| it.signal.as_str());
+    let problem = Problem::new("bad-settings", message);
+    Err(match diagnostic::did_you_mean(name, known) {
+        Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+        None => problem.remedy("name a signal as `/topic.field`; `engines` lists them"),
+    })
+}
+
+fn of_signal(sum: Difference, tolerances: &BTreeMap<String, f64>) -> SignalReport {
+    let is_number = matches!(sum.kind, Kind::Number | Kind::Angle);
+    SignalReport {
+        kind: match sum.kind {
+            Kind::Number => SignalKind::Number,
+            Kind::Angle => SignalKind::Angle,
+            Kind::Truth | Kind::Name => SignalKind::Event,
+        },
         typical: sum.typical(),
-        means: (sum.rows > 0).then(|| sum.sums.map(|total| total / sum.rows as f64)),
+        means: sum.means(),
+        span: (is_number && sum.rows > 0).then(|| sum.span()),
+        tolerance: tolerances.get(&sum.signal).copied().filter(|_| is_number),
         signal: sum.signal,
         unit: sum.unit,
         rows: sum.rows,
         unmatched: sum.unmatched,
         largest: sum.largest,
         largest_at_secs: sum.largest_at_secs,
-    };
-    sums.into_iter().map(report).collect()
+    }
 }

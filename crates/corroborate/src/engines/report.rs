@@ -16,9 +16,10 @@ pub struct EnginesReport {
     pub engines: Vec<String>,
     /// How many episodes were run in each.
     pub episodes: u64,
-    /// How far the recordings lie apart, signal by signal.
+    /// How far the recordings lie apart, signal by signal, what matters first: those that differ, truth values and names
+    /// before numbers, those with a tolerance before others, and then by how far they differ.
     pub signals: Vec<SignalReport>,
-    /// The verdicts in both.
+    /// The verdicts in both, those that differ first.
     pub verdicts: Vec<VerdictReport>,
     /// Episodes that the robot's program or the physics ended by failing, in each engine; those are
     /// compared up to there.
@@ -56,6 +57,8 @@ pub struct EngineFailures {
 pub struct SignalReport {
     /// `/topic.field`.
     pub signal: String,
+    /// What its values are.
+    pub kind: SignalKind,
     /// Its unit; empty for truth values and names.
     pub unit: String,
     /// Rows that both recordings have.
@@ -69,8 +72,52 @@ pub struct SignalReport {
     pub largest: f64,
     /// When that was.
     pub largest_at_secs: f64,
-    /// Means in the first and the second engine. Absent without rows.
+    /// Means in the first and the second engine. Absent without rows, of names, and of angles that lie on both sides of where
+    /// they begin again.
     pub means: Option<[f64; 2]>,
+    /// How far its numbers range in both. Absent of truth values and names, and without rows.
+    pub span: Option<f64>,
+    /// By how much it may differ, if that was said.
+    pub tolerance: Option<f64>,
+}
+
+/// What a signal's values are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SignalKind {
+    /// Truth values or names, which are equal or not.
+    Event,
+    /// Numbers.
+    Number,
+    /// Angles, which are compared the shorter way round within a turn.
+    Angle,
+}
+
+impl SignalReport {
+    /// Whether it is the same in both, as far as both have it.
+    pub fn is_same(&self) -> bool {
+        self.largest == 0.0
+    }
+
+    /// How far it differs: the largest difference as a multiple of the tolerance; without one the root mean square of the
+    /// differences as a share of its range; of truth values and names the share of rows.
+    pub fn relative(&self) -> f64 {
+        match (self.kind, self.tolerance, self.span) {
+            (SignalKind::Event, ..) => self.typical.unwrap_or(0.0),
+            (_, Some(tolerance), _) => self.largest / tolerance,
+            (_, None, Some(span)) if span > 0.0 => self.typical.unwrap_or(0.0) / span,
+            (_, None, _) => 0.0,
+        }
+    }
+
+    /// Its group in the order of what matters.
+    pub(super) fn order(&self) -> u8 {
+        match (self.is_same(), self.kind) {
+            (false, SignalKind::Event) => 0,
+            (false, SignalKind::Number | SignalKind::Angle) => 1,
+            (true, _) => 2,
+        }
+    }
 }
 
 /// What the engines' recordings show of one requirement or failure mode.

@@ -1,7 +1,8 @@
 //! What brings findings about: all episodes that showed one, grouped by cause.
 //!
 //! # Definition
-//! The first episode of a finding is shrunk ([`shrink()`](crate::shrink())). What is left is a *cause*: the settings that are not
+//! The first episode of a finding is shrunk ([`shrink()`](crate::shrink())), to what still shows it clearly, with the margin that
+//! shrinking has by default. What is left is a *cause*: the settings that are not
 //! nominal, numbers that the seed had drawn among them, and the actions. An episode that showed the same finding *met* the
 //! cause if it did these actions in this order and had each of these settings: a number at least as far from nominal and on
 //! the same side, anything else the same value. The first episode that met no cause is shrunk next, until all have met one,
@@ -17,7 +18,7 @@
 //! depend on the number of threads.
 
 use crate::replay::Episode;
-use crate::shrink::Trials;
+use crate::shrink::{Clarity, Trials};
 use crate::technique::exploration::{FindingReport, Met, OpenBench, Plan, ShowsJudge};
 use campaign::ShrinkOptions;
 use diagnostic::Problem;
@@ -109,6 +110,7 @@ impl Causes<'_> {
 
     fn causes(&self, finding: &Finding, episodes: &[Known<'_>]) -> Result<Vec<Cause>, Problem> {
         let judge = ShowsJudge::new(self.study, &finding.shows, &self.host.cancel)?;
+        let clarity = Clarity::new(self.study, &finding.shows, None)?;
         let mut causes: Vec<Cause> = Vec::new();
         let mut left = self.budget;
         let mut tried: Vec<u64> = Vec::new();
@@ -126,7 +128,7 @@ impl Causes<'_> {
                 stimulus: next.met.stimulus.clone(),
                 ..finding.clone()
             };
-            let (cause, spent) = match self.shrunk(finding, of, &judge, left) {
+            let (cause, spent) = match self.shrunk(finding, of, (&judge, &clarity), left) {
                 Ok(shrunk) => shrunk,
                 // By itself it goes on to another end than where its requirement was decided.
                 Err(problem) if problem.code == "not-shown" => {
@@ -149,7 +151,7 @@ impl Causes<'_> {
         &self,
         finding: Finding,
         of: u64,
-        judge: &ShowsJudge<'_>,
+        judges: (&ShowsJudge<'_>, &Clarity<'_>),
         budget: u64,
     ) -> Result<(Cause, u64), Problem> {
         let most = usize::try_from(budget).unwrap_or(usize::MAX);
@@ -157,7 +159,7 @@ impl Causes<'_> {
             .map_err(|error| Problem::new("bad-exploration", error.to_string()))?;
         let trials = Trials::new(
             self.benches,
-            judge,
+            judges,
             Episode::of_named(finding.clone(), ""),
             (budget, (1, 1)),
             (&self.host.cancel, self.stage),

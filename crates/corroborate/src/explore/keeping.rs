@@ -155,6 +155,8 @@ mod tests {
                 seed: finding.seed,
                 stimulus,
                 found_by: format!("friction {friction}"),
+                secs: 0.0,
+                is_after: false,
             }
         });
         let met: Vec<Met> = met.collect();

@@ -2,8 +2,8 @@
 
 use super::ExploreRequest;
 use crate::technique::exploration::{
-    Abstraction, Explored, Exploring, Formal, Journal, ModelTests, OpenBench, Plan, Situations,
-    SourceKind, Watching, assets_of, inputs_of_all, tests_of_model,
+    Abstraction, Explored, Exploring, Formal, Journal, ModelTests, OpenBench, Plan, Signals,
+    Situations, SourceKind, Watching, assets_of, inputs_of_all, tests_of_model,
 };
 use diagnostic::{Problem, did_you_mean};
 use host::Host;
@@ -11,7 +11,7 @@ use judging::{Judges, SpaceTime};
 use std::collections::BTreeMap;
 use std::path::Path;
 use study::Study;
-use trace::Trace;
+use trace::{Predicate, Trace};
 
 /// A search, in the physics that the plan chooses.
 pub struct Search<'a> {
@@ -85,12 +85,30 @@ impl<'a> Search<'a> {
             bench: self.bench,
             judges,
             searched: self.searched(&layout)?,
+            task_over: self.task_over(&layout)?,
+            signals: Signals::of(&layout),
             layout,
             early_end: plan.data.budget.early_end,
             code: self.request.coverage.clone(),
             abstraction,
             situations: Situations::new(study, plan)?,
         })
+    }
+
+    /// What first holds when the task is over, if the plan says so.
+    fn task_over(&self, layout: &Trace) -> Result<Option<Predicate>, Problem> {
+        let Some(text) = &self.plan.data.task_over else {
+            return Ok(None);
+        };
+        let wrong = |error: trace::PredicateError| {
+            let problem = self.plan.mistake(text, error.to_string());
+            problem.remedy("`task_over` is a word of the vocabulary or a predicate over signals")
+        };
+        let vocabulary = &self.study.vocabulary;
+        let predicate = vocabulary.signals.predicate(text).map_err(wrong)?;
+        // A signal that the recordings do not have is told before anything runs.
+        predicate.bind(layout).map_err(wrong)?;
+        Ok(Some(predicate))
     }
 
     /// What the searches of the plan go by.

@@ -1,7 +1,11 @@
-//! All regressions run again: which no longer show what they did.
+//! All regressions run again: which do what is expected of them.
+//!
+//! A regression is expected to fail (to show what it did) until its fault is mended, and to pass from then on. To pass is
+//! more than not to show it: the requirement has to come up and to be decided. What was cut to show a violation early is
+//! run to its own end before it counts as passed.
 
 use super::episode::{Episode, finding_file, hash_of_trace, no_finding};
-use crate::technique::exploration::{OpenBench, ShowsJudge, command_of, failed};
+use crate::technique::exploration::{OpenBench, Said, ShowsJudge, command_of, failed};
 use crate::technique::simulation::load_engine;
 use diagnostic::Problem;
 use host::{Host, Stage};
@@ -10,7 +14,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use study::{BenchFiles, Finding, Shows, Study};
+use study::{BenchFiles, Expected, Finding, Shows, Study};
 
 /// Regressions to be run again. [`RegressionsRequest::new`] has the defaults.
 #[derive(Clone, Debug)]
@@ -19,6 +23,8 @@ pub struct RegressionsRequest {
     pub study: PathBuf,
     /// Files of findings, as they are or relative to the study; all of its folder `regressions` if there are none.
     pub findings: Vec<String>,
+    /// Writes into the files of those that pass and were expected to fail that they are expected to pass from now on.
+    pub update: bool,
 }
 
 impl RegressionsRequest {
@@ -27,6 +33,7 @@ impl RegressionsRequest {
         Self {
             study: study.into(),
             findings: Vec::new(),
+            update: false,
         }
     }
 
@@ -54,6 +61,16 @@ pub struct RegressionReport {
     pub file: String,
     /// What it showed, in words; absent if it cannot be read.
     pub shows: Option<String>,
+    /// What is expected of it; absent if it cannot be read.
+    pub expected: Option<Expected>,
+    /// What it does.
+    pub state: RegressionState,
+    /// Whether that is what is expected.
+    pub as_expected: bool,
+    /// Whether its file says from now on that it is expected to pass.
+    pub updated: bool,
+    /// Why it neither fails nor passes, if it does neither.
+    pub undecided: Option<String>,
     /// Whether it still shows it.
     pub shown: bool,
     /// Whether the recording is the same bytes as when it was stored; absent
@@ -67,10 +84,51 @@ pub struct RegressionReport {
     pub problem: Option<Problem>,
 }
 
+/// What a regression does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RegressionState {
+    /// It shows what it did.
+    Fails,
+    /// It was put to the test, and does not show it.
+    Passes,
+    /// It does not show it, and it was not put to the test: its requirement never came up, or its episode was cut short.
+    Undecided,
+    /// It could not be run.
+    CannotBeRun,
+}
+
 impl RegressionsReport {
-    /// Whether every regression still shows what it did.
-    pub fn all_shown(&self) -> bool {
-        self.regressions.iter().all(|it| it.shown)
+    /// Whether every regression does what is expected of it.
+    pub fn all_as_expected(&self) -> bool {
+        self.regressions.iter().all(|it| it.as_expected)
+    }
+}
+
+impl RegressionReport {
+    /// What became of it, in words.
+    pub fn in_words(&self) -> String {
+        let known = self.expected.unwrap_or_default();
+        match (self.state, known) {
+            (RegressionState::CannotBeRun, _) => "cannot be run".into(),
+            (RegressionState::Undecided, _) => {
+                let reason = self.undecided.as_deref().unwrap_or_default();
+                format!("neither fails nor passes: {reason}")
+            }
+            (RegressionState::Fails, Expected::Fails) => "fails, as expected".into(),
+            (RegressionState::Passes, Expected::Passes) => "passes, as expected".into(),
+            (RegressionState::Fails, Expected::Passes) => {
+                "fails again: it was mended before, and is expected to pass".into()
+            }
+            (RegressionState::Passes, Expected::Fails) if self.updated => {
+                "passes now, and is expected to from now on".into()
+            }
+            (RegressionState::Passes, Expected::Fails) => {
+                "passes now and is expected to fail: if it is mended, say so (`expected = \"passes\"` in its file, or --update), \
+                 so that it is told when it comes back"
+                    .into()
+            }
+        }
     }
 }
 
@@ -101,10 +159,26 @@ pub fn check_regressions(
         .collect();
     drop(stage);
     host.go_on()?;
-    Ok(RegressionsReport {
-        format: "1.0".into(),
+    let mut report = RegressionsReport {
+        format: "2.0".into(),
         regressions,
-    })
+    };
+    if request.update {
+        update(&mut report, &files)?;
+    }
+    Ok(report)
+}
+
+/// Says in the files of those that pass that they are expected to.
+fn update(report: &mut RegressionsReport, files: &[PathBuf]) -> Result<(), Problem> {
+    for (one, file) in report.regressions.iter_mut().zip(files) {
+        let is_mended = one.state == RegressionState::Passes;
+        if is_mended && one.expected == Some(Expected::Fails) {
+            Finding::expect(file, Expected::Passes)?;
+            (one.updated, one.as_expected) = (true, true);
+        }
+    }
+    Ok(())
 }
 
 /// The named files, or all of the study's regressions.
@@ -178,17 +252,35 @@ impl<'a> Prepared<'a> {
         let mut report = RegressionReport {
             file: file.display().to_string(),
             shows: finding.as_ref().ok().map(|it| it.shows.to_string()),
+            expected: finding.as_ref().ok().map(|it| it.expected),
+            state: RegressionState::CannotBeRun,
+            as_expected: false,
+            updated: false,
+            undecided: None,
             shown: false,
             same_bytes: None,
             error: None,
             problem: None,
         };
-        match finding
-            .as_ref()
-            .map_err(Clone::clone)
-            .and_then(|it| self.run(it, file))
-        {
-            Ok((shown, same_bytes)) => (report.shown, report.same_bytes) = (shown, same_bytes),
+        let ran = finding.as_ref().map_err(Clone::clone);
+        match ran.and_then(|it| self.run(it, file)) {
+            Ok((said, same_bytes)) => {
+                report.shown = said == Said::Shown;
+                report.same_bytes = same_bytes.filter(|_| report.shown);
+                report.state = match said {
+                    Said::Shown => RegressionState::Fails,
+                    Said::NotShown => RegressionState::Passes,
+                    Said::Undecided(reason) => {
+                        report.undecided = Some(reason);
+                        RegressionState::Undecided
+                    }
+                };
+                report.as_expected = match (report.state, report.expected) {
+                    (RegressionState::Fails, expected) => expected == Some(Expected::Fails),
+                    (RegressionState::Passes, expected) => expected == Some(Expected::Passes),
+                    (RegressionState::Undecided | RegressionState::CannotBeRun, _) => false,
+                };
+            }
             Err(problem) => {
                 report.error = Some(problem.line());
                 report.problem = Some(problem);
@@ -198,24 +290,30 @@ impl<'a> Prepared<'a> {
         report
     }
 
-    /// Whether it is shown, and whether the bytes are the same.
-    fn run(&self, finding: &Finding, file: &Path) -> Result<(bool, Option<bool>), Problem> {
+    /// What it says, and whether the bytes are the same.
+    fn run(&self, finding: &Finding, file: &Path) -> Result<(Said, Option<bool>), Problem> {
         self.host.go_on()?;
         let lost = || Problem::new("bad-finding", "it was not prepared");
         let bench = self.benches.get(&key(&finding.bench)).ok_or_else(lost)?;
         let bench = bench.as_ref().map_err(Clone::clone)?;
         let judge = self.judges.get(&finding.shows).ok_or_else(lost)?;
         let judge = judge.as_ref().map_err(Clone::clone)?;
-        let episode = Episode::of_finding(finding.clone(), file);
-        let recorded = episode
-            .run(bench, None, &self.host.cancel)
-            .map_err(|error| failed(&error))?;
-        let shown = judge.shows(&recorded)?;
+        let mut episode = Episode::of_finding(finding.clone(), file);
+        let run = |episode: &Episode| {
+            let recorded = episode.run(bench, None, &self.host.cancel);
+            recorded.map_err(|error| failed(&error))
+        };
+        let recorded = run(&episode)?;
+        let said = judge.said(&recorded)?;
+        if said != Said::Shown && episode.bench.until_secs.take().is_some() {
+            // It was cut where it showed the violation; what it does instead may take longer.
+            return Ok((judge.said(&run(&episode)?)?, None));
+        }
         let same = match &finding.recording {
             Some(known) => Some(known == &hash_of_trace(&recorded.trace)?.0),
             None => None,
         };
-        Ok((shown, same))
+        Ok((said, same))
     }
 }
 

@@ -27,6 +27,11 @@ pub struct ShrinkReport {
     pub is_minimal: bool,
     /// In how many seeds it must show, and of how many.
     pub seeds: [u32; 2],
+    /// By how much what is kept had to violate its requirement, as a share of what is allowed. Absent where no number says by how
+    /// much it is violated.
+    pub margin: Option<f64>,
+    /// By how much the finding and the regression do.
+    pub violated_by: Option<[f64; 2]>,
     /// Numbers that the seed drew and that are settings now.
     pub pinned: u64,
     /// Why none are, if that is so: then what is left can owe to what the seed draws.
@@ -93,13 +98,15 @@ impl ShrinkReport {
         let others = kept.settings.iter();
         let others = others.filter(|(key, value)| options.nominal.get(*key) != Some(*value));
         Self {
-            format: "1.2".into(),
+            format: "1.3".into(),
             shows: finding.shows.to_string(),
             file: target.display().to_string(),
             episodes: shrunk.episodes,
             fast_episodes: shrunk.fast_episodes,
             is_minimal: shrunk.is_minimal,
             seeds: shrunk.seeds.into(),
+            margin: shrunk.margin.map(|it| it.least),
+            violated_by: shrunk.margin.zip(shrunk.violated_by).map(|(it, kept)| [it.own, kept]),
             pinned: shrunk.pinned as u64,
             not_pinned: shrunk.not_pinned.clone(),
             causes: others
@@ -123,6 +130,16 @@ impl ShrinkReport {
                 "{} episodes, {fast} of them in the fast physics, whose proposals the full physics has to show",
                 self.episodes
             ),
+        }
+    }
+
+    /// How clearly it is violated.
+    pub fn clarity_in_words(&self) -> String {
+        match (self.margin, self.violated_by) {
+            (Some(margin), Some([own, kept])) => format!(
+                "violated by {kept:.3} of what is allowed (the finding by {own:.3}; at least {margin:.3} was asked for)"
+            ),
+            _ => "no number says how clearly it is shown".to_owned(),
         }
     }
 
@@ -165,10 +182,12 @@ impl ShrinkReport {
             false => "Perhaps it can be made smaller still: the search ended early.",
         };
         format!(
-            "Shows: {}, {in_seeds}.\n{}\nMade of {from}: {} actions to {actions}, {} settings that are \
+            "Shows: {}, {in_seeds}: {}.\n{}\nMade of {from}: {} actions to {actions}, {} settings that are \
              not nominal to {settings}, {:.1} s to {simulated_secs:.1} s, in\n{}.\n{minimal}\n\
+             Once it is mended, write `expected = \"passes\"` below (or: corroborate replay STUDY --check --update).\n\
              To look at it: corroborate replay STUDY regressions/{}",
             self.shows,
+            self.clarity_in_words(),
             self.causes_in_words(),
             before.actions,
             before.settings,
@@ -205,13 +224,15 @@ mod tests {
             nominal: Some("0.6".into()),
         };
         let mut report = ShrinkReport {
-            format: "1.2".into(),
+            format: "1.3".into(),
             shows: "it".into(),
             file: "f.toml".into(),
             episodes: 1,
             fast_episodes: 0,
             is_minimal: true,
             seeds: [1, 1],
+            margin: Some(0.1),
+            violated_by: Some([0.4, 0.11]),
             pinned: 3,
             not_pinned: None,
             causes: vec![cause],

@@ -9,7 +9,7 @@ use evidence::{FailureKind, Subject as Judged};
 use host::Host;
 use judging::Judges;
 use std::path::Path;
-use study::{Finding, Shows, Study};
+use study::{Expected, Finding, Shows, Study};
 use temporal::monitor::Verdict;
 use testbench::Recorded;
 
@@ -82,6 +82,7 @@ impl Subject {
                 seed: episode.seed,
                 bench: episode.bench,
                 shows,
+                expected: Expected::Fails,
                 recording: None,
                 stimulus: episode.stimulus,
             },

@@ -5,6 +5,7 @@
 //! soon the search ends, and nothing else: that the regression shows it, and that nothing can be left out, is of the full
 //! physics.
 
+use super::clarity::{Clarity, Margin};
 use super::pins::Pins;
 use crate::replay::{Episode, hash_of_trace};
 use crate::technique::exploration::{OpenBench, ShowsJudge, failed};
@@ -13,7 +14,7 @@ use campaign::{NotShown, ShrinkOptions, Shrunk};
 use diagnostic::Problem;
 use host::{Cancel, Stage};
 use std::collections::BTreeMap;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use stimulus::Stimulus;
 use study::Finding;
@@ -25,6 +26,9 @@ pub struct Trials<'a> {
     /// That to search in, if it is another.
     fast: Option<&'a OpenBench>,
     judge: &'a ShowsJudge<'a>,
+    clarity: &'a Clarity<'a>,
+    /// What is demanded of all scenarios, once the finding's own episode was run; none where no number grades it.
+    margin: OnceLock<Margin>,
     episode: Episode,
     seeds: (u32, u32),
     /// Episodes that may be run.
@@ -39,8 +43,17 @@ pub struct Trials<'a> {
     exhausted: AtomicBool,
     /// What kept a candidate from being judged.
     failure: Mutex<Option<Problem>>,
-    /// The recordings that show it under the finding's own seed: hash and simulated time.
-    shown: Mutex<BTreeMap<String, (String, f64)>>,
+    /// The recordings that show it under the finding's own seed.
+    shown: Mutex<BTreeMap<String, Known>>,
+}
+
+/// A recording that shows it.
+#[derive(Clone)]
+struct Known {
+    hash: String,
+    simulated_secs: f64,
+    /// By how much it is violated, if a number says so.
+    violated_by: Option<f64>,
 }
 
 /// What became of an episode.
@@ -61,13 +74,17 @@ pub struct Shrunken {
     pub not_pinned: Option<String>,
     /// Simulated time of the finding and of the regression.
     pub simulated_secs: [f64; 2],
+    /// By how much the finding is violated and what was demanded; none where no number grades it.
+    pub margin: Option<Margin>,
+    /// By how much the regression is violated.
+    pub violated_by: Option<f64>,
 }
 
 impl<'a> Trials<'a> {
     /// None yet, on the bench of the full physics and that to search in, if it is another: how many episodes may be run, and in how many of how many seeds it must show.
     pub fn new(
         (bench, fast): (&'a OpenBench, Option<&'a OpenBench>),
-        judge: &'a ShowsJudge<'a>,
+        (judge, clarity): (&'a ShowsJudge<'a>, &'a Clarity<'a>),
         episode: Episode,
         (budget, seeds): (u64, (u32, u32)),
         (interrupt, stage): (&'a Cancel, &'a Stage),
@@ -76,6 +93,8 @@ impl<'a> Trials<'a> {
             bench,
             fast,
             judge,
+            clarity,
+            margin: OnceLock::new(),
             episode,
             seeds,
             budget,
@@ -107,8 +126,8 @@ impl<'a> Trials<'a> {
         let shrunk = self.smallest(&mut regression, options)?;
         regression.stimulus = shrunk.stimulus;
         regression.bench.until_secs = self.shorten(&regression, first.sim_secs);
-        let (hash, simulated_secs) = self.known(&regression)?;
-        regression.recording = Some(hash);
+        let known = self.known(&regression)?;
+        regression.recording = Some(known.hash);
         let is_cut_off = self.interrupt.is_cancelled() || self.exhausted.load(Ordering::Relaxed);
         Ok(Shrunken {
             regression,
@@ -118,7 +137,9 @@ impl<'a> Trials<'a> {
             seeds: self.seeds,
             pinned,
             not_pinned,
-            simulated_secs: [first.sim_secs, simulated_secs],
+            simulated_secs: [first.sim_secs, known.simulated_secs],
+            margin: self.margin.get().copied(),
+            violated_by: known.violated_by,
         })
     }
 
@@ -130,6 +151,9 @@ impl<'a> Trials<'a> {
             .map_err(|error| failed(&error))?;
         if !self.judge.shows(&first)? {
             return Err(self.not_shown(&NotShown));
+        }
+        if let Some(margin) = self.clarity.margin(self.clarity.violated_by(&first)?)? {
+            let _ = self.margin.set(margin);
         }
         self.know(&finding.stimulus, until_secs, &first)?;
         Ok(first)
@@ -191,7 +215,7 @@ impl<'a> Trials<'a> {
                 self.fast_runs.fetch_add(1, Ordering::Relaxed);
                 let run = self.run_in(bench, candidate, seed, until_secs);
                 // What cannot be judged is told by the full physics.
-                run.is_ok_and(|recorded| self.judge.shows(&recorded).unwrap_or(false))
+                run.is_ok_and(|recorded| self.shows_clearly(&recorded).unwrap_or(false))
             })
         });
         let proposed = shrunk.ok()?.stimulus;
@@ -330,7 +354,7 @@ impl<'a> Trials<'a> {
         let Some(Ok(recorded)) = self.allowed(|| self.run(stimulus, seed, until_secs)) else {
             return false;
         };
-        let shows = self.judge.shows(&recorded).and_then(|shows| {
+        let shows = self.shows_clearly(&recorded).and_then(|shows| {
             if shows && is_own {
                 self.know(stimulus, until_secs, &recorded)?;
             }
@@ -344,6 +368,18 @@ impl<'a> Trials<'a> {
         })
     }
 
+    /// Whether a recording shows it, by at least the margin.
+    fn shows_clearly(&self, recorded: &Recorded) -> Result<bool, Problem> {
+        if !self.judge.shows(recorded)? {
+            return Ok(false);
+        }
+        let Some(margin) = self.margin.get() else {
+            return Ok(true);
+        };
+        let violated_by = self.clarity.violated_by(recorded)?;
+        Ok(violated_by.is_some_and(|it| it >= margin.least))
+    }
+
     /// An episode shows it: it need not be run again.
     fn know(
         &self,
@@ -351,9 +387,13 @@ impl<'a> Trials<'a> {
         until_secs: Option<u32>,
         recorded: &Recorded,
     ) -> Result<(), Problem> {
-        let hash = hash_of_trace(&recorded.trace)?.0;
+        let known = Known {
+            hash: hash_of_trace(&recorded.trace)?.0,
+            simulated_secs: recorded.sim_secs,
+            violated_by: self.clarity.violated_by(recorded)?,
+        };
         if let Ok(mut shown) = self.shown.lock() {
-            shown.insert(key(stimulus, until_secs), (hash, recorded.sim_secs));
+            shown.insert(key(stimulus, until_secs), known);
         }
         Ok(())
     }
@@ -363,8 +403,8 @@ impl<'a> Trials<'a> {
         shown.is_ok_and(|shown| shown.contains_key(&key(stimulus, until_secs)))
     }
 
-    /// The hash of the recording of an episode that was run, and its simulated time.
-    fn known(&self, finding: &Finding) -> Result<(String, f64), Problem> {
+    /// The recording of an episode that was run.
+    fn known(&self, finding: &Finding) -> Result<Known, Problem> {
         let key = key(&finding.stimulus, finding.bench.until_secs);
         let shown = self.shown.lock().ok();
         let known = shown.and_then(|shown| shown.get(&key).cloned());

@@ -28,6 +28,8 @@ pub struct VariantReport {
     pub rows: Vec<Row>,
     /// Where techniques predict gains that exclude each other.
     pub parted: Vec<String>,
+    /// How many pairs of predictions on one subject under the same conditions were compared for that.
+    pub pairs: u64,
     /// Episodes that the robot's program or the physics ended by failing; those are judged up to there.
     pub failures: Vec<VariantFailures>,
 }
@@ -95,25 +97,31 @@ pub enum Gain {
     },
 }
 
-/// Pairs of rows on one subject under the same conditions whose intervals do not overlap.
-pub fn parted(rows: &[Row]) -> Vec<String> {
+/// Pairs of rows on one subject under the same conditions whose intervals do not overlap, and how many pairs there are. A
+/// gain of a model in which nothing is uncertain is an interval of its own.
+pub fn parted(rows: &[Row]) -> (Vec<String>, u64) {
     let known = |row: &Row| match &row.gain {
-        Gain::Known {
-            gain,
-            interval: Some(interval),
-            ..
-        } => Some((*gain, *interval)),
-        _ => None,
+        Gain::Known { gain, interval, .. } => {
+            let exact = Interval {
+                low: *gain,
+                high: *gain,
+            };
+            Some((*gain, interval.unwrap_or(exact)))
+        }
+        Gain::NotExpressible { .. } => None,
     };
-    let mut found = Vec::new();
+    let (mut found, mut pairs) = (Vec::new(), 0);
     for (place, left) in rows.iter().enumerate() {
         for right in &rows[place + 1..] {
             if (&left.subject, &left.conditions) != (&right.subject, &right.conditions) {
                 continue;
             }
-            if let (Some((a, first)), Some((b, second))) = (known(left), known(right))
-                && (first.high < second.low || second.high < first.low)
-            {
+            let (Some((a, first)), Some((b, second))) = (known(left), known(right)) else {
+                continue;
+            };
+            pairs += 1;
+            // Two exact gains differ in their last digits by how they were computed.
+            if second.low - first.high > ROUNDING || first.low - second.high > ROUNDING {
                 found.push(format!(
                     "{}: {} predicts a gain of {a:+.4}, {} of {b:+.4}; their intervals do not overlap, so one of the \
                      two does not have what decides it.",
@@ -124,8 +132,11 @@ pub fn parted(rows: &[Row]) -> Vec<String> {
             }
         }
     }
-    found
+    (found, pairs)
 }
+
+/// By less than this gains do not exclude each other: it is beyond what solvers answer to.
+const ROUNDING: f64 = 1e-6;
 
 impl WhatIfReport {
     /// For people.
@@ -157,12 +168,37 @@ impl WhatIfReport {
                 let words = failures_in_words(&of.failures);
                 writeln!(text, "  {}, {which}: {words}", of.evidence)?;
             }
-            for parted in &variant.parted {
-                writeln!(text, "  {parted}")?;
-            }
+            writeln!(text)?;
+            self.write_parted(variant, text)?;
             writeln!(text)?;
         }
         Ok(())
+    }
+}
+
+impl WhatIfReport {
+    /// Where predictions exclude each other, or that none do.
+    fn write_parted(&self, variant: &VariantReport, text: &mut String) -> std::fmt::Result {
+        let (parted, pairs) = (variant.parted.len(), variant.pairs);
+        let level = format!("{:.0} % intervals", self.confidence * 100.0);
+        match (parted, pairs) {
+            (_, 0) => writeln!(
+                text,
+                "  No two techniques predict the same quantity, so none can exclude another."
+            ),
+            (0, _) => writeln!(
+                text,
+                "  No predictions exclude each other ({pairs} compared, by {level})."
+            ),
+            _ => {
+                writeln!(
+                    text,
+                    "  Predictions exclude each other: {parted} of {pairs} compared, by {level}"
+                )?;
+                let mut all = variant.parted.iter();
+                all.try_for_each(|it| writeln!(text, "    {it}"))
+            }
+        }
     }
 }
 
@@ -224,12 +260,54 @@ mod tests {
 
     #[test]
     fn gains_part_where_their_intervals_do_not_overlap() {
-        assert_eq!(parted(&[row("A", 0.0, 0.1), row("B", 0.1, 0.2)]).len(), 0);
-        assert_eq!(parted(&[row("A", 0.0, 0.1), row("B", 0.11, 0.2)]).len(), 1);
+        let count = |rows: &[Row]| {
+            let (found, pairs) = parted(rows);
+            (found.len(), pairs)
+        };
+        assert_eq!(count(&[row("A", 0.0, 0.1), row("B", 0.1, 0.2)]), (0, 1));
+        assert_eq!(count(&[row("A", 0.0, 0.1), row("B", 0.11, 0.2)]), (1, 1));
+        // Of a model in which nothing is uncertain the gain is a number.
+        let exact = |gain: f64| {
+            let mut row = row("M", gain, gain);
+            if let Gain::Known { interval, .. } = &mut row.gain {
+                *interval = None;
+            }
+            row
+        };
+        assert_eq!(count(&[exact(0.3), row("B", 0.1, 0.2)]), (1, 1));
+        assert_eq!(count(&[exact(0.15), row("B", 0.1, 0.2)]), (0, 1));
+        assert_eq!(count(&[exact(0.15), exact(0.15 + 1e-12)]), (0, 1));
         let elsewhere = Row {
             conditions: "crossing".into(),
             ..row("B", 0.11, 0.2)
         };
-        assert_eq!(parted(&[row("A", 0.0, 0.1), elsewhere]).len(), 0);
+        assert_eq!(count(&[row("A", 0.0, 0.1), elsewhere]), (0, 0));
+    }
+
+    #[test]
+    fn the_text_says_where_predictions_exclude_each_other_and_where_none_do() {
+        let text = |rows: Vec<Row>| {
+            let (parted, pairs) = parted(&rows);
+            let variant = VariantReport {
+                name: "slower".into(),
+                meaning: "It drives slower.".into(),
+                changes: vec![],
+                rows,
+                parted,
+                pairs,
+                failures: vec![],
+            };
+            let report = WhatIfReport {
+                confidence: 0.95,
+                variants: vec![variant],
+            };
+            report.text()
+        };
+        let told = text(vec![row("A", 0.0, 0.1), row("B", 0.11, 0.2)]);
+        assert!(told.contains("exclude each other: 1 of 1 compared, by 95 % intervals"), "{told}");
+        assert!(told.contains("A predicts a gain of +0.0000, B of +0.1100"), "{told}");
+        let told = text(vec![row("A", 0.0, 0.1), row("B", 0.1, 0.2)]);
+        assert!(told.contains("No predictions exclude each other (1 compared"), "{told}");
+        assert!(text(vec![row("A", 0.0, 0.1)]).contains("so none can exclude another"));
     }
 }

@@ -162,11 +162,13 @@ impl<'a> Trial<'a> {
         }
         let place = |subject: &Subject| wanted.iter().position(|other| other == subject);
         rows.sort_by_key(|row| place(&row.subject));
+        let (parted, pairs) = parted(&rows);
         Ok(VariantReport {
             name: read.variant.name.clone(),
             meaning: read.variant.meaning.clone(),
             changes: read.variant.changes.iter().map(change_report).collect(),
-            parted: parted(&rows),
+            parted,
+            pairs,
             rows,
             failures,
         })

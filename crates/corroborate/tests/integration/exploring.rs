@@ -121,12 +121,12 @@ fn a_finding_is_made_small_and_kept_and_run_again_as_a_regression() {
 
     let request = RegressionsRequest::new(cart.path(""));
     let checked = check_regressions(&request, &silent()).expect("there is one");
-    assert!(checked.all_shown());
+    assert!(checked.all_as_expected());
     assert_eq!(checked.regressions[0].same_bytes, Some(true));
     // One that cannot be read is told in its place, with a remedy for those who ask.
     std::fs::write(cart.path("regressions/torn.toml"), "format = ").expect("it is written");
     let checked = check_regressions(&request, &silent()).expect("there are two");
-    assert!(!checked.all_shown() && checked.regressions[1].shown);
+    assert!(!checked.all_as_expected() && checked.regressions[1].shown);
     let torn = &checked.regressions[0];
     assert!(torn.problem.as_ref().is_some_and(Problem::has_place));
     let error = torn.error.as_ref().expect("a reason");

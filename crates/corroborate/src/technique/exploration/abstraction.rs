@@ -47,6 +47,8 @@ pub struct Abstraction {
     known: BTreeSet<(Class, Class)>,
     /// Where the model can stay for ever.
     ends: BTreeSet<Class>,
+    /// Where all states of the model are ones that it never leaves.
+    rests: BTreeSet<Class>,
     /// The abstract state of each state of the model.
     pub class_of: Vec<Class>,
     /// Propositions that the model does not express, with the reason.
@@ -54,10 +56,14 @@ pub struct Abstraction {
 }
 
 /// What a recording does, in abstract states.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AbstractTrace {
     /// The abstract states, no two neighbours equal.
     pub classes: Vec<Class>,
+    /// From when on each held, in seconds.
+    pub from_secs: Vec<f64>,
+    /// When the recording ends.
+    pub end_secs: f64,
     /// Whether the recording is all there is.
     pub complete: bool,
 }
@@ -101,6 +107,7 @@ impl Abstraction {
             transitions: BTreeSet::new(),
             known: BTreeSet::new(),
             ends: BTreeSet::new(),
+            rests: BTreeSet::new(),
             class_of,
             not_expressed,
         };
@@ -120,6 +127,15 @@ impl Abstraction {
         let bottom = bottom_components(formal.steps());
         let last = bottom.iter().flatten().map(|s| class_of[*s as usize]);
         self.ends = last.collect();
+        let mut stays = vec![false; class_of.len()];
+        for component in &bottom {
+            if let [state] = component[..] {
+                stays[state as usize] = true;
+            }
+        }
+        let moves = class_of.iter().zip(&stays).filter(|(_, stays)| !**stays);
+        let moves: BTreeSet<Class> = moves.map(|(class, _)| *class).collect();
+        self.rests = self.states.difference(&moves).copied().collect();
         let mut next: BTreeMap<Class, BTreeSet<Class>> = BTreeMap::new();
         for (from, to) in &self.transitions {
             next.entry(*from).or_default().insert(*to);
@@ -166,8 +182,12 @@ impl Abstraction {
                 held.push((class, time_secs));
             }
         }
+        let lasting = lasting(&held, end_secs, self.shortest_secs, trace.complete);
+        let (classes, from_secs) = lasting.into_iter().unzip();
         Ok(AbstractTrace {
-            classes: lasting(&held, end_secs, self.shortest_secs, trace.complete),
+            classes,
+            from_secs,
+            end_secs,
             complete: trace.complete,
         })
     }
@@ -180,30 +200,62 @@ impl Abstraction {
     /// Steps of a recording that the model does not have; without a second
     /// state, an end.
     pub fn unknown(&self, of: &AbstractTrace) -> Vec<(Class, Option<Class>)> {
-        let steps = of.classes.windows(2).map(|pair| (pair[0], pair[1]));
-        let steps = steps.filter(|(from, to)| !self.knows(*from, *to));
-        let mut unknown: Vec<_> = steps.map(|(from, to)| (from, Some(to))).collect();
+        let unknown = self.unknown_at(of).into_iter();
+        unknown.map(|(step, _)| step).collect()
+    }
+
+    /// The same, each with when it was, in seconds.
+    pub fn unknown_at(&self, of: &AbstractTrace) -> Vec<((Class, Option<Class>), f64)> {
+        let steps = of.classes.windows(2).zip(of.from_secs.iter().skip(1));
+        let steps = steps.map(|(pair, secs)| (pair[0], pair[1], *secs));
+        let steps = steps.filter(|(from, to, _)| !self.knows(*from, *to));
+        let mut unknown: Vec<_> = steps
+            .map(|(from, to, secs)| ((from, Some(to)), secs))
+            .collect();
         if let Some(last) = of.classes.last()
             && of.complete
             && !self.ends.contains(last)
         {
-            unknown.push((*last, None));
+            unknown.push(((*last, None), of.end_secs));
         }
         unknown
+    }
+
+    /// From when on a recording is where the model stays for ever, whatever state of the model it is; `None` if it never
+    /// is, or the model has no such states.
+    pub fn rests_from_secs(&self, of: &AbstractTrace) -> Option<f64> {
+        let mut held = of.classes.iter().zip(&of.from_secs);
+        let found = held.find(|(class, _)| self.rests.contains(class));
+        found.map(|(_, secs)| *secs)
+    }
+
+    /// Whether the model has states in which it stays for ever.
+    pub fn rests(&self) -> bool {
+        !self.rests.is_empty()
+    }
+
+    /// The signals by which states are told apart, `/topic.field`.
+    pub fn signals(&self) -> BTreeSet<String> {
+        self.predicates.iter().flat_map(Predicate::signals).collect()
     }
 }
 
 /// Leaves out what holds shorter than `shortest_secs`, except what holds at the
 /// end of a whole recording, and joins equal neighbours.
-fn lasting(held: &[(Class, f64)], end_secs: f64, shortest_secs: f64, is_whole: bool) -> Vec<Class> {
-    let mut classes: Vec<Class> = Vec::new();
+fn lasting(
+    held: &[(Class, f64)],
+    end_secs: f64,
+    shortest_secs: f64,
+    is_whole: bool,
+) -> Vec<(Class, f64)> {
+    let mut classes: Vec<(Class, f64)> = Vec::new();
     for (place, (class, from_secs)) in held.iter().enumerate() {
         let until_secs = held.get(place + 1).map_or(end_secs, |(_, next)| *next);
         let is_last = is_whole && place + 1 == held.len();
         // Times are sums of steps: a nanosecond is no part of them.
         let lasts = until_secs - from_secs + 1e-9 >= shortest_secs;
-        if (lasts || is_last) && classes.last() != Some(class) {
-            classes.push(*class);
+        if (lasts || is_last) && classes.last().map(|(last, _)| last) != Some(class) {
+            classes.push((*class, *from_secs));
         }
     }
     classes
@@ -215,6 +267,12 @@ mod tests {
 
     #[test]
     fn what_holds_shortly_is_passed_over_and_equal_neighbours_are_one() {
+        let lasting = |held: &[(Class, f64)], end_secs, shortest_secs, is_whole| -> Vec<Class> {
+            let kept = super::lasting(held, end_secs, shortest_secs, is_whole);
+            // Each is kept with when it began.
+            assert!(kept.iter().all(|it| held.contains(it)));
+            kept.into_iter().map(|(class, _)| class).collect()
+        };
         let held = [(0, 0.0), (1, 1.0), (3, 1.1), (1, 1.15), (2, 5.0)];
         assert_eq!(lasting(&held, 9.0, 0.0, true), [0, 1, 3, 1, 2]);
         assert_eq!(lasting(&held, 9.0, 0.2, true), [0, 1, 2]);

@@ -75,9 +75,10 @@ impl Exploring<'_, '_> {
         let mut seen = Seen::new(study, self.plan, self.watching);
         let (episodes, stopped) = self.batches(&seeds, &mut sources, &mut seen)?;
         seen.read_code(study, self.plan)?;
+        let level = confidence(study.about.confidence)?;
         let report = ExplorationReport {
             found: Exploration {
-                format: "1.3".into(),
+                format: "1.4".into(),
                 statement: NO_EVIDENCE.into(),
                 evidence: bench.files.evidence.clone(),
                 engine: bench.engine.clone(),
@@ -89,13 +90,13 @@ impl Exploring<'_, '_> {
                 episodes,
                 simulated_secs: seen.simulated_secs,
                 stopped,
-                findings: seen.finding_reports(),
+                findings: seen.finding_reports(self.watching, level)?,
                 broken: std::mem::take(&mut seen.broken),
             },
             bench: bench.files.clone(),
             sources: sources_report(&sources),
             searches: sources.search_reports(),
-            coverage: seen.coverage_report(confidence(study.about.confidence)?)?,
+            coverage: seen.coverage_report(level)?,
             model_tests: model_tests_report(self.of_model),
         };
         Ok(Explored {

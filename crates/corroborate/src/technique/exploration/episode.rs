@@ -7,6 +7,7 @@
 use super::abstraction::{AbstractTrace, Abstraction, Class};
 use super::bench::{OpenBench, failed};
 use super::code::matching;
+use super::moments::{Moments, Signals};
 use super::situations::Situations;
 use crate::technique::campaign::{OnLine, is_of_physics, kind_of};
 use campaign::Situation;
@@ -21,7 +22,7 @@ use stimulus::Stimulus;
 use study::Study;
 use temporal::monitor::Verdict;
 use testbench::SimError;
-use trace::Trace;
+use trace::{Predicate, Replay, Trace};
 
 /// The part of an episode's seed that controllers are told: what every
 /// language reads without rounding.
@@ -39,6 +40,10 @@ pub struct Watching<'a> {
     pub searched: BTreeMap<String, SpaceTime<'a>>,
     /// The channels of the bench's recordings.
     pub layout: Trace,
+    /// Their signals.
+    pub signals: Signals,
+    /// What first holds when the task is over, if the plan says so.
+    pub task_over: Option<Predicate>,
     /// Whether episodes end once all is decided.
     pub early_end: bool,
     /// How recordings are held against the model, if they are.
@@ -65,6 +70,16 @@ pub struct Shown {
     pub abstracted: AbstractTrace,
     /// Steps that the model does not have.
     pub unknown: Vec<(Class, Option<Class>)>,
+    /// When each of these was, in their order.
+    pub unknown_secs: Vec<f64>,
+    /// When violations and failure modes showed, by what was.
+    pub shown_secs: BTreeMap<String, f64>,
+    /// When the recording ended.
+    pub end_secs: f64,
+    /// When the task was over, if it was, and if anything says when that is.
+    pub over_secs: Option<f64>,
+    /// What signals it had.
+    pub moments: Moments,
     /// The space-time robustness of the requirement for whose sake it was run,
     /// of what was seen until it ended; a number, or it says nothing.
     pub robustness: Option<f64>,
@@ -76,6 +91,15 @@ pub struct Shown {
     pub failed: Option<FailureKind>,
     /// Why the physics gave no numbers, if that ended it. Nothing else is said of such an episode.
     pub broken: Option<String>,
+}
+
+impl Shown {
+    /// When something showed that is worth a finding.
+    fn times(&self) -> Vec<f64> {
+        let failed = self.failed.map(|_| self.end_secs);
+        let all = self.shown_secs.values().chain(&self.unknown_secs);
+        all.copied().chain(failed).collect()
+    }
 }
 
 impl Watching<'_> {
@@ -139,6 +163,7 @@ impl Watching<'_> {
             ..Shown::default()
         };
         let judged = on_line.finish(recorded.trace.complete)?;
+        shown.end_secs = recorded.trace.end_secs().unwrap_or(0.0);
         for judgement in judged.into_iter().flatten() {
             if judgement.reading.is_some() {
                 continue;
@@ -147,6 +172,12 @@ impl Watching<'_> {
             let id = judgement.subject.id().to_owned();
             if findings.triggered > 0 {
                 shown.triggered.push(id.clone());
+            }
+            if findings.verdict == Verdict::Violated {
+                let violation = findings.violation.map(|it| it.to_secs);
+                let at_secs = violation.or(findings.decided_at_secs);
+                let at_secs = at_secs.unwrap_or(shown.end_secs);
+                shown.shown_secs.insert(id.clone(), at_secs);
             }
             match (judgement.subject, findings.verdict) {
                 (Subject::Requirement(_), Verdict::Violated) => shown.violated.push(id),
@@ -159,9 +190,35 @@ impl Watching<'_> {
         }
         if let Some(abstraction) = self.abstraction {
             shown.abstracted = abstraction.of_trace(&recorded.trace)?;
-            shown.unknown = abstraction.unknown(&shown.abstracted);
+            let unknown = abstraction.unknown_at(&shown.abstracted).into_iter();
+            (shown.unknown, shown.unknown_secs) = unknown.unzip();
         }
+        shown.over_secs = self.over_secs(&shown, &recorded.trace)?;
+        shown.moments = Moments::of(&self.signals, &recorded.trace, &shown.times());
         Ok(shown)
+    }
+
+    /// When the task was over, if it was.
+    fn over_secs(&self, shown: &Shown, trace: &Trace) -> Result<Option<f64>, Problem> {
+        let Some(over) = &self.task_over else {
+            let rests = |it: &Abstraction| it.rests_from_secs(&shown.abstracted);
+            return Ok(self.abstraction.and_then(rests));
+        };
+        let over = over
+            .bind(trace)
+            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+        let mut replay = Replay::new(trace);
+        while let Some(sample) = replay.advance() {
+            if over.eval(&replay) == Some(true) {
+                return Ok(Some(sample.time_secs));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether anything says when the task is over.
+    pub fn knows_end(&self) -> bool {
+        self.task_over.is_some() || self.abstraction.is_some_and(Abstraction::rests)
     }
 
     /// What controllers left of an episode.

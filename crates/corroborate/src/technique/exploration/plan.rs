@@ -5,6 +5,7 @@
 //! evidence = "E2"             # the ledger's entry whose bench is run
 //! model = "E1"                # the one whose formal model is held against it
 //! physics = "fast"            # what is searched in; "full" is the other
+//! task_over = "arrived"       # what is found only afterwards is told apart
 //!
 //! [budget]
 //! episodes = 300
@@ -59,6 +60,9 @@ pub struct Data {
     pub evidence: String,
     /// The ledger's entry whose formal model the episodes are held against.
     pub model: Option<String>,
+    /// When the task is over: a word of the vocabulary, or a predicate over signals, that first holds then. What is found only
+    /// afterwards is told apart. If absent, and recordings are held against a model, it is over where the model stays for ever.
+    pub task_over: Option<String>,
     /// The physics that is searched in: the fast one where the bench has one, if absent. What is found is shown by the
     /// full one before it counts. The search for disagreement, which gives figures, is of the full one.
     physics: Option<SearchPhysics>,

@@ -3,6 +3,7 @@
 use super::abstraction::{Abstraction, Class};
 use super::bench::OpenBench;
 use super::code::Code;
+use super::distinction::{Recorded, Search, Told};
 use super::episode::{Shown, Watching};
 use super::form::{CoverageReport, CrossReport, FindingReport, SaturationReport, SetReport};
 use super::plan::Plan;
@@ -11,11 +12,13 @@ use crate::technique::rows::{Rows, Value};
 use campaign::{Coverage, Saturation, SetCoverage};
 use diagnostic::Problem;
 use evidence::{BrokenEpisode, Discovery, Subject};
+use judging::Judges;
+use rayon::prelude::*;
 use recording::{ParquetColumn, ParquetType};
 use stats::Confidence;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use stimulus::Stimulus;
-use study::{Finding, Shows, Study, UnknownStep};
+use study::{Expected, Finding, Shows, Study, UnknownStep};
 
 /// Holes of a cross that are listed, at most.
 const HOLES: usize = 20;
@@ -40,6 +43,10 @@ pub struct Met {
     pub stimulus: Stimulus,
     /// What led to it.
     pub found_by: String,
+    /// When it showed, in seconds.
+    pub secs: f64,
+    /// Whether the task was over before.
+    pub is_after: bool,
 }
 
 /// Everything that was seen so far.
@@ -63,6 +70,10 @@ pub struct Seen<'a> {
     bench: &'a OpenBench,
     judged: Vec<String>,
     rows: Rows,
+    /// What signals all episodes had.
+    recorded: Recorded,
+    /// Whether anything says when the task is over.
+    knows_end: bool,
 }
 
 impl<'a> Seen<'a> {
@@ -88,6 +99,8 @@ impl<'a> Seen<'a> {
             bench: watching.bench,
             judged,
             rows: Rows::default(),
+            recorded: Recorded::new(),
+            knows_end: watching.knows_end(),
         }
     }
 
@@ -149,7 +162,10 @@ impl<'a> Seen<'a> {
             let lines = self.code.take(text)?;
             things.extend(lines.into_iter().map(|line| format!("line {line}")));
         }
-        for shows in self.shows(shown) {
+        if shown.broken.is_none() {
+            self.recorded.insert(episode, shown.moments.clone());
+        }
+        for (shows, secs) in self.shows(shown) {
             things.push(shows.to_string());
             let found = self.found.entry(shows).or_insert_with(|| Found {
                 episode,
@@ -162,6 +178,8 @@ impl<'a> Seen<'a> {
                 seed,
                 stimulus: planned.stimulus.clone(),
                 found_by: planned.found_by.clone(),
+                secs,
+                is_after: shown.over_secs.is_some_and(|over| secs > over),
             });
         }
         Ok(self.everything.record(things).new.len())
@@ -250,29 +268,40 @@ impl<'a> Seen<'a> {
         self.rows
     }
 
-    /// What an episode shows that is worth a finding, each once.
-    fn shows(&self, shown: &Shown) -> Vec<Shows> {
-        let violated = shown.violated.iter().cloned().map(Shows::Violated);
-        let modes = shown.failure_modes.iter().cloned().map(Shows::FailureMode);
-        let failed = shown.failed.map(Shows::Failed);
-        let unknown = shown.unknown.iter().filter_map(|(from, to)| {
+    /// What an episode shows that is worth a finding, each once, with when it first showed.
+    fn shows(&self, shown: &Shown) -> BTreeMap<Shows, f64> {
+        let at = |id: &String| shown.shown_secs.get(id).copied().unwrap_or(shown.end_secs);
+        let violated = shown.violated.iter();
+        let violated = violated.map(|id| (Shows::Violated(id.clone()), at(id)));
+        let modes = shown.failure_modes.iter();
+        let modes = modes.map(|id| (Shows::FailureMode(id.clone()), at(id)));
+        let failed = shown.failed.map(|kind| (Shows::Failed(kind), shown.end_secs));
+        let unknown = shown.unknown.iter().zip(&shown.unknown_secs);
+        let unknown = unknown.filter_map(|((from, to), secs)| {
             let abstraction = self.abstraction?;
-            Some(Shows::Unknown(UnknownStep {
+            let step = UnknownStep {
                 exploration: self.file.to_owned(),
                 from: abstraction.describe(*from),
                 to: to.map(|to| abstraction.describe(to)),
-            }))
+            };
+            Some((Shows::Unknown(step), *secs))
         });
-        let mut all: Vec<Shows> = violated.chain(modes).chain(failed).chain(unknown).collect();
-        all.sort();
-        all.dedup();
+        let mut all: BTreeMap<Shows, f64> = BTreeMap::new();
+        for (shows, secs) in violated.chain(modes).chain(failed).chain(unknown) {
+            let first = all.entry(shows).or_insert(secs);
+            *first = first.min(secs);
+        }
         all
     }
 
-    /// In the order in which they were found.
+    /// What matters first: what shows before the task is over, and of each by its kind; else in the order in which they
+    /// were found.
     fn in_order(&self) -> Vec<(&Shows, &Found)> {
         let mut found: Vec<_> = self.found.iter().collect();
-        found.sort_by_key(|(_, found)| found.episode);
+        found.sort_by_key(|(shows, found)| {
+            let is_after = found.met.iter().all(|met| met.is_after);
+            (is_after, shows.rank(), found.episode)
+        });
         found
     }
 
@@ -284,6 +313,7 @@ impl<'a> Seen<'a> {
             seed: found.seed,
             bench: bench.files.clone(),
             shows: (*shows).clone(),
+            expected: Expected::Fails,
             recording: None,
             stimulus: found.planned.stimulus.clone(),
         };
@@ -297,27 +327,61 @@ impl<'a> Seen<'a> {
     }
 
     /// The same as they are reported.
-    pub fn finding_reports(&self) -> Vec<FindingReport> {
-        let report = |(shows, found): &(&Shows, &Found)| FindingReport {
-            shows: (*shows).clone(),
-            found: Discovery {
-                in_words: shows.to_string(),
-                subject: match shows {
-                    Shows::Violated(id) => Some(Subject::Requirement(id.clone())),
-                    Shows::FailureMode(id) => Some(Subject::FailureMode(id.clone())),
-                    Shows::Failed(_) | Shows::Unknown(_) => None,
-                },
-                file: String::new(),
-                first_episode: found.episode,
-                seed: found.seed.to_string(),
-                found_by: found.planned.found_by.clone(),
-                episodes: found.met.len() as u64,
-                replayed: false,
-                causes: Vec::new(),
-                without_cause: None,
-            },
+    pub fn finding_reports(
+        &self,
+        watching: &Watching<'_>,
+        level: Confidence,
+    ) -> Result<Vec<FindingReport>, Problem> {
+        let found = self.in_order();
+        found
+            .into_par_iter()
+            .map(|(shows, found)| {
+                let told = self.told_apart(shows, found, watching, level)?;
+                let after = found.met.iter().filter(|met| met.is_after).count();
+                Ok(FindingReport {
+                    shows: shows.clone(),
+                    found: Discovery {
+                        in_words: shows.to_string(),
+                        subject: subject_of(shows),
+                        file: String::new(),
+                        first_episode: found.episode,
+                        seed: found.seed.to_string(),
+                        found_by: found.planned.found_by.clone(),
+                        episodes: found.met.len() as u64,
+                        after_task: self.knows_end.then_some(after as u64),
+                        not_told_apart: told.as_ref().err().cloned(),
+                        told_apart: told.ok(),
+                        replayed: false,
+                        causes: Vec::new(),
+                        without_cause: None,
+                    },
+                })
+            })
+            .collect()
+    }
+
+    /// What the recordings show at a finding and not elsewhere.
+    fn told_apart(
+        &self,
+        shows: &Shows,
+        found: &Found,
+        watching: &Watching<'_>,
+        level: Confidence,
+    ) -> Result<Told, Problem> {
+        let defining: BTreeSet<String> = match shows {
+            Shows::Violated(id) | Shows::FailureMode(id) => {
+                Judges::new(watching.study, |subject| subject.id() == id)?.signals()
+            }
+            Shows::Unknown(_) => self.abstraction.map(Abstraction::signals).unwrap_or_default(),
+            Shows::Failed(_) => BTreeSet::new(),
         };
-        self.in_order().iter().map(report).collect()
+        let showed = found.met.iter().map(|met| (met.episode, met.secs));
+        let search = Search {
+            signals: &watching.signals,
+            recorded: &self.recorded,
+            level,
+        };
+        Ok(search.of(&showed.collect::<Vec<_>>(), &defining))
     }
 
     /// What was covered.
@@ -375,6 +439,14 @@ impl<'a> Seen<'a> {
 
 fn counted(text: &str, episodes: u64) -> String {
     format!("{text} (in {episodes} episodes)")
+}
+
+fn subject_of(shows: &Shows) -> Option<Subject> {
+    match shows {
+        Shows::Violated(id) => Some(Subject::Requirement(id.clone())),
+        Shows::FailureMode(id) => Some(Subject::FailureMode(id.clone())),
+        Shows::Failed(_) | Shows::Unknown(_) => None,
+    }
 }
 
 fn set_report<T: Ord + Clone>(set: &SetCoverage<T>, text: impl Fn(&T) -> String) -> SetReport {

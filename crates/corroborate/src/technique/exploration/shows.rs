@@ -12,6 +12,17 @@ use study::{Shows, Study};
 use temporal::monitor::Verdict;
 use testbench::Recorded;
 
+/// What an episode says of a finding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Said {
+    /// It shows it.
+    Shown,
+    /// It was put to the test and does not show it.
+    NotShown,
+    /// It does not show it and does not show the contrary, for this reason.
+    Undecided(String),
+}
+
 /// Judges recordings for what a finding shows.
 pub struct ShowsJudge<'a> {
     shows: Shows,
@@ -60,22 +71,53 @@ impl<'a> ShowsJudge<'a> {
 
     /// Whether an episode shows it.
     pub fn shows(&self, recorded: &Recorded) -> Result<bool, Problem> {
-        let trace = &recorded.trace;
-        if let Shows::Failed(kind) = self.shows {
-            return Ok(recorded.failure.as_ref().map(kind_of) == Some(kind));
-        }
-        let Shows::Unknown(step) = &self.shows else {
-            let judgements = self.judges.judge(trace)?;
-            let mut main = judgements.iter().filter(|j| j.reading.is_none());
-            return Ok(main.any(|j| j.findings.verdict == Verdict::Violated));
+        Ok(self.said(recorded)? == Said::Shown)
+    }
+
+    /// Whether an episode shows it, and if not, whether it was put to the test.
+    pub fn said(&self, recorded: &Recorded) -> Result<Said, Problem> {
+        let failure = recorded.failure.as_ref();
+        let ended = failure.map(|it| format!("the episode ended by another failure: {}", kind_of(it)));
+        let step = match &self.shows {
+            Shows::Failed(kind) => {
+                return Ok(match ended {
+                    _ if failure.map(kind_of) == Some(*kind) => Said::Shown,
+                    None => Said::NotShown,
+                    Some(reason) => Said::Undecided(reason),
+                });
+            }
+            Shows::Violated(_) | Shows::FailureMode(_) => return self.judged(recorded),
+            Shows::Unknown(step) => step,
         };
         let Some(abstraction) = &self.abstraction else {
-            return Ok(false);
+            return Ok(Said::NotShown);
         };
-        let unknown = abstraction.unknown(&abstraction.of_trace(trace)?);
-        Ok(unknown.iter().any(|(from, to)| {
+        let abstracted = abstraction.of_trace(&recorded.trace)?;
+        let is_it = |(from, to): &(u64, Option<u64>)| {
             abstraction.describe(*from) == step.from
                 && to.map(|to| abstraction.describe(to)) == step.to
-        }))
+        };
+        Ok(match abstraction.unknown(&abstracted).iter().any(is_it) {
+            true => Said::Shown,
+            false if abstracted.complete => Said::NotShown,
+            false => {
+                let cut = || "the recording is cut short, and may show it later".to_owned();
+                Said::Undecided(ended.unwrap_or_else(cut))
+            }
+        })
+    }
+
+    /// What the main monitor says.
+    fn judged(&self, recorded: &Recorded) -> Result<Said, Problem> {
+        let judgements = self.judges.judge(&recorded.trace)?;
+        let main = judgements.iter().filter(|j| j.reading.is_none());
+        let verdicts: Vec<Verdict> = main.map(|j| j.findings.verdict).collect();
+        let has = |verdict: Verdict| verdicts.contains(&verdict);
+        Ok(match (has(Verdict::Violated), has(Verdict::NotCovered), has(Verdict::Inconclusive)) {
+            (true, ..) => Said::Shown,
+            (_, true, _) => Said::Undecided("it never came up: its trigger was not met".to_owned()),
+            (.., true) => Said::Undecided("the recording does not decide it".to_owned()),
+            _ => Said::NotShown,
+        })
     }
 }

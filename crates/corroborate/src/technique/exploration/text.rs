@@ -34,26 +34,18 @@ pub fn as_text(report: &ExplorationReport) -> String {
 fn findings(text: &mut String, report: &ExplorationReport) {
     if report.found.findings.is_empty() {
         let _ = writeln!(text, "\nNothing was found.");
-    } else {
-        let _ = writeln!(text, "\nFound");
     }
+    let mut heading = "";
     for finding in &report.found.findings {
-        let replayed = if finding.found.replayed {
-            ""
-        } else {
-            "  NOT SHOWN AGAIN"
+        let of = match finding.found.is_after_task() {
+            false => "Found",
+            true => "Found only after the task was over",
         };
-        let _ = writeln!(
-            text,
-            "  {}{replayed}\n      first in episode {}, in {} of {}; by {}\n      {}",
-            finding.found.in_words,
-            finding.found.first_episode,
-            finding.found.episodes,
-            report.found.episodes,
-            finding.found.found_by,
-            finding.found.file
-        );
-        causes(text, finding);
+        if of != heading {
+            let _ = writeln!(text, "\n{of}");
+            heading = of;
+        }
+        one_finding(text, finding, report.found.episodes);
     }
     if !report.found.broken.is_empty() {
         let _ = writeln!(
@@ -75,6 +67,34 @@ fn findings(text: &mut String, report: &ExplorationReport) {
     {
         let _ = writeln!(text, "  and {more} more in the JSON");
     }
+}
+
+/// A finding, what the robot did in it, and what was done to it.
+fn one_finding(text: &mut String, finding: &FindingReport, episodes: u64) {
+    let found = &finding.found;
+    let replayed = if found.replayed {
+        ""
+    } else {
+        "  NOT SHOWN AGAIN"
+    };
+    let after = match found.after_task {
+        Some(after) if after > 0 && after < found.episodes => {
+            format!(" ({after} of them only after the task was over)")
+        }
+        _ => String::new(),
+    };
+    let _ = writeln!(
+        text,
+        "  {}{replayed}\n      first in episode {}, in {} of {episodes}{after}; by {}\n      {}",
+        found.in_words, found.first_episode, found.episodes, found.found_by, found.file
+    );
+    if let Some(told) = &found.told_apart {
+        let _ = writeln!(text, "      what is recorded: {}", told.in_words());
+    }
+    if let Some(reason) = &found.not_told_apart {
+        let _ = writeln!(text, "      what is recorded: {reason}");
+    }
+    causes(text, finding);
 }
 
 /// What only the fast physics showed.

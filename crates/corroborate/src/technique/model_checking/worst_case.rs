@@ -24,7 +24,7 @@ use host::store::Inputs;
 use prism_lang::ast::Optimum;
 use std::path::Path;
 use stimulus::Stimulus;
-use study::{Finding as FindingFile, FormText, Shows};
+use study::{Expected, Finding as FindingFile, FormText, Shows};
 
 /// The file that says which steps of a model are actions of a bench.
 const EXPLORATION: &str = "exploration.toml";
@@ -234,6 +234,7 @@ impl Compiled<'_> {
             seed: Seeds::new(study.about.seed, evidence).of(1),
             bench,
             shows: Shows::Violated(requirement.to_owned()),
+            expected: Expected::Fails,
             recording: None,
             stimulus: Stimulus::of(made.test),
         };
