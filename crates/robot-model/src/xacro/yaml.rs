@@ -196,8 +196,7 @@ impl Parser<'_> {
     }
 
     fn map(&mut self, indent: usize, depth: usize) -> Parsed {
-        let mut entries: Vec<(Value, Value)> = Vec::new();
-        let mut merged: Vec<(Value, Value)> = Vec::new();
+        let mut entries = Entries::default();
         while let Some(line) = self.line() {
             if line.indent != indent || is_item(&line.text) {
                 break;
@@ -207,20 +206,9 @@ impl Parser<'_> {
             };
             self.at += 1;
             let value = self.value(&line, rest, indent, depth)?;
-            if key == "<<" {
-                if let Value::Dict(of) = &value {
-                    merged.extend(of.iter().cloned());
-                }
-                continue;
-            }
-            let key = scalar(key);
-            entries.retain(|(known, _)| *known != key);
-            entries.push((key, value));
+            entries.add(key, value);
         }
-        let is_new = |(key, _): &(Value, Value)| entries.iter().all(|(known, _)| known != key);
-        let merged: Vec<(Value, Value)> = merged.into_iter().filter(is_new).collect();
-        entries.extend(merged);
-        Ok(Value::Dict(Rc::new(entries)))
+        Ok(entries.dict())
     }
 
     /// What is behind a key or a dash that stands alone in its line.
@@ -317,6 +305,37 @@ impl Parser<'_> {
     }
 }
 
+/// The entries of a map, and those that `<<` takes from others.
+#[derive(Default)]
+struct Entries {
+    own: Vec<(Value, Value)>,
+    merged: Vec<(Value, Value)>,
+}
+
+impl Entries {
+    fn add(&mut self, key: &str, value: Value) {
+        match (key, value) {
+            ("<<", Value::Dict(of)) => self.merged.extend(of.iter().cloned()),
+            (key, value) => {
+                let key = scalar(key);
+                self.own.retain(|(known, _)| *known != key);
+                self.own.push((key, value));
+            }
+        }
+    }
+
+    /// All of them; what the map has itself counts.
+    fn dict(self) -> Value {
+        let Self { mut own, merged } = self;
+        for (key, value) in merged {
+            if own.iter().all(|(known, _)| *known != key) {
+                own.push((key, value));
+            }
+        }
+        Value::Dict(Rc::new(own))
+    }
+}
+
 fn is_item(text: &str) -> bool {
     text == "-" || text.starts_with("- ")
 }
@@ -369,19 +388,19 @@ impl Flow<'_, '_, '_> {
             return Ok(Value::list(values));
         }
         if self.take('{') {
-            let mut entries = Vec::new();
+            let mut entries = Entries::default();
             while !self.take('}') {
-                let key = scalar(self.word(true));
+                let key = self.word(true).to_owned();
                 let value = match self.take(':') {
                     true => self.value(depth + 1)?,
                     false => Value::Nothing,
                 };
-                entries.push((key, value));
+                entries.add(&key, value);
                 if !self.take(',') && !self.rest.trim_start().starts_with('}') {
                     return Err("`}` is missing".to_owned());
                 }
             }
-            return Ok(Value::Dict(Rc::new(entries)));
+            return Ok(entries.dict());
         }
         let word = self.word(false).to_owned();
         if word.is_empty() && !self.rest.is_empty() && !self.rest.starts_with([',', ']', '}']) {
@@ -532,9 +551,9 @@ url: package://a/b
     #[test]
     fn tags_of_units_anchors_and_merges_are_read() {
         let text =
-            "a: &x {low: !degrees 180, up: 2}\nb:\n  <<: *x\n  up: 3\nc: !radians 1.5\nd: *x\n";
+            "a: &x {low: !degrees 180, up: 2}\nb:\n  <<: *x\n  up: 3\nc: !radians 1.5\nd: *x\ne: {<<: *x, up: 4}\n";
         let expected = "{'a': {'low': 3.141592653589793, 'up': 2}, 'b': {'up': 3, 'low': 3.141592653589793}, 'c': 1.5, \
-            'd': {'low': 3.141592653589793, 'up': 2}}";
+            'd': {'low': 3.141592653589793, 'up': 2}, 'e': {'up': 4, 'low': 3.141592653589793}}";
         assert_eq!(read(text).as_deref(), Ok(expected));
     }
 

@@ -56,7 +56,7 @@ fn description(path: &str, file: &ReadFile<'_>) -> Result<Loaded, ScenarioError>
             return file(address);
         }
         let mut text = |path: &str| String::from_utf8(file(path).ok()?).ok();
-        let own = || own_package_path(path, address, &mut text);
+        let mut own = || own_package_path(path, address, &mut text);
         let found = paths.iter().find_map(|path| file(path).ok());
         let found = found.or_else(|| file(&own()?).ok());
         found.ok_or_else(|| "no such file in the folders around the description".to_owned())
