@@ -5,7 +5,9 @@ mod determinism;
 mod report;
 
 pub use determinism::Repeated;
-pub use report::{EngineFailures, EnginesReport, SignalKind, SignalReport, VerdictPair, VerdictReport};
+pub use report::{
+    EngineFailures, EnginesReport, SignalKind, SignalReport, VerdictPair, VerdictReport,
+};
 
 use crate::rigs;
 use crate::technique::simulation::Seeds;

@@ -20,7 +20,7 @@ pub use study::{Quantity, Signal, SimulationSignals, StudySignals, Truth, TruthT
 /// What is looked into, and how.
 #[derive(Clone, Debug)]
 pub struct InspectRequest {
-    /// A recording (a file, or a folder that rosbag2 recorded), a description (by its ending `urdf`, `sdf`, `world` or `xml`), or
+    /// A recording (a file, or a folder that rosbag2 recorded), a description (by its ending `urdf`, `xacro`, `sdf`, `world` or `xml`), or
     /// a study (a folder with a `study.toml`).
     pub file: PathBuf,
     /// How a recording is opened.

@@ -121,11 +121,18 @@ pub struct Distinction {
     pub shown: [u64; 2],
     /// Other whole episodes in which they held at any time, and all such episodes.
     pub elsewhere: [u64; 2],
+    /// That the two shares of episodes differ by chance: Fisher's exact test, two-sided, times the rules of this kind and the number of
+    /// kinds (Bonferroni). Absent where the episodes are not told apart, and only moments within them are.
+    pub p_value: Option<f64>,
+    /// For which share of the episodes that showed the finding the conditions hold, on average over these; absent where moments are not told
+    /// apart.
+    pub share_of_time: Option<f64>,
+    /// That the finding shows while they hold by chance, at a time that is as likely as any other of its episode: times
+    /// the conditions that could be added (Bonferroni).
+    pub moment_p_value: Option<f64>,
     /// Rules of this kind that could have been found.
     pub rules: u64,
-    /// Fisher's exact test of these counts, two-sided, times the rules of this kind and the number of kinds (Bonferroni).
-    pub p_value: f64,
-    /// Other rules of this kind with the same counts.
+    /// Other rules of this kind with the same counts of episodes.
     pub as_good: Vec<String>,
 }
 
@@ -192,19 +199,28 @@ impl Distinction {
             true => "just before it",
             false => "when it shows",
         };
-        let p = match self.p_value < 0.001 {
-            true => "p < 0.001".to_owned(),
-            false => format!("p = {:.3}", self.p_value),
+        let p = |p: Option<f64>| match p {
+            None => String::new(),
+            Some(p) if p < 0.001 => ", p < 0.001".to_owned(),
+            Some(p) => format!(", p = {p:.3}"),
         };
+        let time = self.share_of_time.map_or(String::new(), |share| {
+            let p = p(self.moment_p_value);
+            format!(
+                "; for {:.1} % of the time of those that showed it{p}",
+                share * 100.0
+            )
+        });
         let as_good = match self.as_good.split_first() {
             None => String::new(),
-            Some((first, [])) => format!("; so does {first}"),
-            Some((first, more)) => format!("; so do {first} and {} more", more.len()),
+            Some((first, [])) => format!("; as good: {first}"),
+            Some((first, more)) => format!("; as good: {first} and {} more", more.len()),
         };
         format!(
-            "{always} {} ({when} in {shown} of {of_shown} episodes that showed it, at any time in {elsewhere} of {of_others} \
-             others; {p}, corrected for {} rules{as_good})",
+            "{always} {} ({when} in {shown} of {of_shown} episodes that showed it; at any time in {elsewhere} of {of_others} \
+             others{}{time}; corrected for {} rules{as_good})",
             self.rule_in_words(),
+            p(self.p_value),
             self.rules
         )
     }

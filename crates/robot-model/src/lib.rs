@@ -16,7 +16,9 @@
 //! | sensors | those of `<gazebo>`, state interfaces | lidar, camera, IMU, contact, force and torque | of joints; others by name |
 //!
 //! Gaps: closed loops, plugins, lights and materials, contact parameters of particular engines, tendons, muscles,
-//! flexible bodies, replicas, height fields, COLLADA meshes. xacro is recognised and refused: expand it first.
+//! flexible bodies, replicas, height fields, COLLADA meshes.
+//!
+//! All three may be written in xacro: it is expanded first ([`expand_xacro`]).
 //!
 //! # Robustness
 //!
@@ -41,6 +43,7 @@ pub mod shape;
 mod tree;
 mod urdf;
 mod write;
+mod xacro;
 mod xml;
 
 pub use actuator::{Actuator, ActuatorKind, Coupling};
@@ -51,13 +54,14 @@ pub use kinematics::WrongSize;
 pub use mesh::Mesh;
 pub use mjcf::parse_mjcf;
 pub use model::{Format, Joint, JointKind, Link, Mark, Model};
-pub use packages::package_paths;
+pub use packages::{own_package_path, package_paths};
 pub use pose::Pose;
 pub use reader::{Loaded, Resolver};
 pub use sdf::parse_sdf;
 pub use sensor::{Camera, Fan, Lidar, Noise, Sensor, SensorKind};
 pub use shape::{Friction, Geometry, Inertial, Mask, Role, Shape};
 pub use urdf::parse_urdf;
+pub use xacro::expand_xacro;
 
 /// Reads a description in any of the languages, by its root element: `<robot>`, `<sdf>` or `<mujoco>`.
 ///
@@ -66,6 +70,7 @@ pub use urdf::parse_urdf;
 pub fn parse(file: &str, text: &str, resolve: &mut Resolver<'_>) -> Result<Loaded, Problems> {
     let root = xml::read(file, text).map_err(|problem| Problems(vec![problem]))?;
     let mut reader = reader::Reader::new(resolve);
+    let root = reader.expanded(root)?;
     let model = match root.name.as_str() {
         "robot" => urdf::robot(&mut reader, &root),
         "mujoco" => mjcf::document(&mut reader, root),

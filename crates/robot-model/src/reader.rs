@@ -7,6 +7,7 @@ use crate::diagnostics::{Effect, Gap, Place, Problem, Problems};
 use crate::mesh::{self, Mesh, MeshError};
 use crate::model::Model;
 use crate::pose::{Vector, direction};
+use crate::xacro;
 use crate::xml::{self, Element};
 
 /// Gives the bytes of what a description names, or a sentence saying why not.
@@ -332,6 +333,21 @@ impl<'r, 's> Reader<'r, 's> {
             return Err(format!("more than {MAX_FILES} files are included"));
         }
         (self.resolve)(address)
+    }
+
+    /// The XML that a description stands for, if it is a xacro template; else the description.
+    pub fn expanded(&mut self, root: Element) -> Result<Element, Problems> {
+        match xacro::is_template(&root) {
+            true => xacro::expand(self, root, BTreeMap::new())
+                .map_err(|problem| Problems(vec![problem])),
+            false => Ok(root),
+        }
+    }
+
+    /// The text at an address, or why it cannot be had.
+    pub fn text_at(&mut self, address: &str) -> Result<String, String> {
+        let bytes = self.bytes(address)?;
+        String::from_utf8(bytes).map_err(|_| "it is not text in UTF-8".to_owned())
     }
 
     /// The text at an address as XML. What cannot be had is a gap, what cannot be read a problem.

@@ -243,7 +243,9 @@ impl Finding {
         };
         if !READ.contains(&text.format.as_str()) {
             let message = format!("the format `{}` is not known", text.format);
-            return Err(bad("format", message).remedy(format!("this program reads {}", READ.join(" and "))));
+            return Err(
+                bad("format", message).remedy(format!("this program reads {}", READ.join(" and ")))
+            );
         }
         let seed = text.seed.parse().map_err(|_| {
             bad("seed", format!("`{}` is no seed", text.seed))
@@ -305,8 +307,10 @@ impl Finding {
         };
         if Self::parse(&written).ok().as_ref() != Some(&wanted) {
             let message = format!("{}: the line of `expected` is not found", source.name);
-            return Err(Problem::new("cannot-write", message)
-                .remedy(format!("write `expected = \"{}\"` there by hand", expected.name())));
+            return Err(Problem::new("cannot-write", message).remedy(format!(
+                "write `expected = \"{}\"` there by hand",
+                expected.name()
+            )));
         }
         write_whole(path, written.text.as_bytes())
     }
@@ -320,7 +324,11 @@ impl Finding {
 /// A finding's text with what is expected of it: in the line that says so, or before the first table.
 fn with_expected(text: &str, expected: Expected) -> String {
     let line = format!("expected = \"{}\"", expected.name());
-    let key = |it: &str| it.split('=').next().is_some_and(|key| key.trim() == "expected");
+    let key = |it: &str| {
+        it.split('=')
+            .next()
+            .is_some_and(|key| key.trim() == "expected")
+    };
     let is_table = |it: &&str| it.trim_start().starts_with('[');
     let head = text.lines().take_while(|it| !is_table(it)).count();
     let place = text.lines().take(head).position(key);
@@ -404,7 +412,9 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("expected-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let path = folder.join("f.toml");
-        let now = finding(Shows::Violated("8".into())).to_toml("my note").unwrap();
+        let now = finding(Shows::Violated("8".into()))
+            .to_toml("my note")
+            .unwrap();
         // As it was written before there was the key.
         let before = now
             .replace("expected = \"fails\"\n", "")

@@ -258,7 +258,9 @@ impl Difference {
 fn in_one_turn(first: f64, second: f64, turn: f64) -> bool {
     let next = turn * 1e-6;
     let both = |low: f64, high: f64| {
-        [first, second].iter().all(|it| (low - next..=high + next).contains(it))
+        [first, second]
+            .iter()
+            .all(|it| (low - next..=high + next).contains(it))
     };
     both(-turn / 2.0, turn / 2.0) || both(0.0, turn)
 }
@@ -352,7 +354,10 @@ mod tests {
         let other = Field::enumeration("mode", ["carry", "lost", "idle"]);
         // The same but at the third row, where the second has a name that the first does not know.
         let found = one((own.clone(), &[0.0, 1.0, 2.0]), (other, &[2.0, 0.0, 1.0]));
-        assert_eq!((found.rows, found.sum_of_squares, found.kind), (3, 1.0, Compared::Name));
+        assert_eq!(
+            (found.rows, found.sum_of_squares, found.kind),
+            (3, 1.0, Compared::Name)
+        );
         assert_eq!((found.largest, found.largest_at_secs), (1.0, 2.0));
         assert_eq!(found.means(), None);
         let far = one((own.clone(), &[0.0]), (own, &[2.0]));

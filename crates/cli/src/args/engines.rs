@@ -83,7 +83,9 @@ mod tests {
     #[test]
     fn a_tolerance_is_a_signal_and_a_number_above_nothing() {
         assert_eq!(tolerance("/a.x = 0.5"), Ok(("/a.x".to_owned(), 0.5)));
-        for wrong in ["/a.x", "/a.x=", "=1", "/a.x=0", "/a.x=-1", "/a.x=inf", "/a.x=nan"] {
+        for wrong in [
+            "/a.x", "/a.x=", "=1", "/a.x=0", "/a.x=-1", "/a.x=inf", "/a.x=nan",
+        ] {
             assert!(tolerance(wrong).is_err(), "{wrong}");
         }
     }

@@ -20,7 +20,11 @@ Tests come from the formal model, from chance within rules, from agents, from
 mutation, from search, and with the faults injected that the bench's own data
 declare; sources that show new things are drawn more often. Each episode is judged by the study's monitors and
 held against the formal model. What is found is a witness and no statistical
-evidence: the episodes are chosen, not drawn. Where the bench has a fast physics
+evidence: the episodes are chosen, not drawn. Violated requirements come first,
+then failure modes, programs that fail, and steps unknown to the model; what
+comes only after the task is over (`task_over` in FILE) comes last. Each finding
+says what the recordings show then and hardly elsewhere: a rule over signals,
+with its counts. Where the bench has a fast physics
 the search runs in it (`physics` in FILE), and the full physics has to show what
 is found; what it does not show is listed apart. FOLDER gets exploration.json and
 findings/NAME.toml, one for each thing that was found, with stimulus and seed,

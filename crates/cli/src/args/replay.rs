@@ -130,7 +130,9 @@ fn share(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok();
     number
         .filter(|it| it.is_finite() && *it >= 0.0)
-        .ok_or_else(|| "write a number from 0 on, for example 0.2: a fifth of what is allowed".to_owned())
+        .ok_or_else(|| {
+            "write a number from 0 on, for example 0.2: a fifth of what is allowed".to_owned()
+        })
 }
 
 /// `K/N` with 1 <= K <= N <= 1000.

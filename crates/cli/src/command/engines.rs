@@ -50,10 +50,18 @@ fn text(report: &EnginesReport) -> String {
     }
     events(&report.signals, &mut out);
     numbers(&report.signals, &mut out);
-    let same = report.signals.iter().filter(|it| it.is_same() && it.rows > 0);
+    let same = report
+        .signals
+        .iter()
+        .filter(|it| it.is_same() && it.rows > 0);
     let not_compared = report.signals.iter().filter(|it| it.rows == 0);
     if !report.signals.is_empty() {
-        let _ = writeln!(out, "\n{} of {} signals are the same", same.count(), report.signals.len());
+        let _ = writeln!(
+            out,
+            "\n{} of {} signals are the same",
+            same.count(),
+            report.signals.len()
+        );
     }
     for signal in not_compared {
         let _ = writeln!(
@@ -118,7 +126,9 @@ fn numbers(signals: &[SignalReport], out: &mut String) {
         }
         let name = match signal.kind {
             SignalKind::Angle => format!("{} ({}, angle)", signal.signal, signal.unit),
-            SignalKind::Number | SignalKind::Event => format!("{} ({})", signal.signal, signal.unit),
+            SignalKind::Number | SignalKind::Event => {
+                format!("{} ({})", signal.signal, signal.unit)
+            }
         };
         let relative = match signal.tolerance {
             Some(_) => format!("{:.2} x tol.", signal.relative()),

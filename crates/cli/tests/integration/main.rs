@@ -23,6 +23,7 @@ mod explore;
 mod explore_corridor;
 mod failing_programs;
 mod fault_trees;
+mod findings;
 mod fuzz_inputs;
 mod init;
 mod lacking_signals;

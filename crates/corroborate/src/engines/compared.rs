@@ -1,8 +1,7 @@
 //! The same episodes in two engines, or of two entries: how far their recordings lie apart, and where their verdicts differ.
 
 use super::report::{
-    EngineFailures, EnginesReport, SignalKind, SignalReport, VerdictPair,
-    VerdictReport,
+    EngineFailures, EnginesReport, SignalKind, SignalReport, VerdictPair, VerdictReport,
 };
 use crate::technique::campaign::{Ended, FailureCounts, ended, stops};
 use crate::technique::confidence;
@@ -14,9 +13,9 @@ use host::Host;
 use judging::{Judges, run_verdict};
 use rayon::prelude::*;
 use rig::Rig;
+use std::collections::BTreeMap;
 use study::{Entry, Study};
 use temporal::monitor::Verdict;
-use std::collections::BTreeMap;
 use testbench::{Compared as Kind, Difference, Unwatched, differences};
 
 /// A call, with what it names.
@@ -85,7 +84,9 @@ impl Called<'_> {
         unknown_tolerance(self.tolerances, &report.signals)?;
         report.verdicts = self.verdicts(&judges, &compared);
         // Those that differ come first.
-        report.verdicts.sort_by_key(|it| std::cmp::Reverse(it.differ.len()));
+        report
+            .verdicts
+            .sort_by_key(|it| std::cmp::Reverse(it.differ.len()));
         report.failures = self.failures(&compared)?;
         report.fail_alike = compared.iter().all(|it| it.failed[0] == it.failed[1]);
         Ok(())
@@ -159,7 +160,10 @@ fn signals(compared: &[Compared], tolerances: &BTreeMap<String, f64>) -> Vec<Sig
             }
         }
     }
-    let mut reports: Vec<SignalReport> = sums.into_iter().map(|sum| of_signal(sum, tolerances)).collect();
+    let mut reports: Vec<SignalReport> = sums
+        .into_iter()
+        .map(|sum| of_signal(sum, tolerances))
+        .collect();
     // Equals stay in the order of the recordings.
     reports.sort_by(|a, b| {
         let order = (a.order(), a.tolerance.is_none()).cmp(&(b.order(), b.tolerance.is_none()));

@@ -1,7 +1,7 @@
 //! What is in a description of a robot or a scene: its tree, and what of it a simulation would not have.
 
 use diagnostic::{Problem, Source};
-use robot_model::{Loaded, Model, Role, package_paths};
+use robot_model::{Loaded, Model, Role, own_package_path, package_paths};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use testbench::scene::{SceneGap, description_gaps};
 /// Whether a file is a description, by the ending of its name.
 pub(crate) fn is_description(path: &Path) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
-    matches!(ending, Some("urdf" | "sdf" | "world" | "xml"))
+    matches!(ending, Some("urdf" | "sdf" | "world" | "xml" | "xacro"))
 }
 
 /// What is in a description.
@@ -150,9 +150,12 @@ fn resolved(file: &Path, packages: &[PathBuf], address: &str) -> Result<Vec<u8>,
         Some(("file", path)) => vec![PathBuf::from(path)],
         Some(("package" | "model", named)) => {
             let whole = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
-            let around = package_paths(&whole.to_string_lossy(), address);
+            let whole = whole.to_string_lossy();
+            let around = package_paths(&whole, address).into_iter();
+            let mut text = |path: &str| std::fs::read_to_string(path).ok();
+            let own = own_package_path(&whole, address, &mut text);
             let given = packages.iter().map(|folder| folder.join(named));
-            given.chain(around.into_iter().map(PathBuf::from)).collect()
+            given.chain(around.chain(own).map(PathBuf::from)).collect()
         }
         Some((scheme, _)) => return Err(format!("{scheme}:// is not fetched")),
     };
@@ -244,6 +247,12 @@ mod tests {
         }
         let found = resolved(&robot, &[], "package://arm/meshes/link.stl").expect("found");
         assert_eq!(found, mesh.display().to_string().into_bytes());
+        // The folder's own package file says what it is called, too.
+        let package = folder.path().join("arm/package.xml");
+        std::fs::write(&package, "<package><name>arm_description</name></package>")
+            .expect("written");
+        let found = resolved(&robot, &[], "package://arm_description/meshes/link.stl");
+        assert_eq!(found, Ok(mesh.display().to_string().into_bytes()));
         let missing = resolved(&robot, &[], "package://leg/meshes/link.stl");
         assert!(
             missing

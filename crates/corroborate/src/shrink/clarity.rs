@@ -59,7 +59,8 @@ impl<'a> Clarity<'a> {
         let Some(own) = own.filter(|own| *own > 0.0) else {
             return match self.asked {
                 Some(asked) if asked > 0.0 => {
-                    let message = "no number says how clearly the finding is shown, so no margin can be kept";
+                    let message =
+                        "no number says how clearly the finding is shown, so no margin can be kept";
                     Err(Problem::new("no-margin", message).remedy(
                         "leave out the margin (--margin on the command line), or give a word of the requirement `graded` in the vocabulary",
                     ))
@@ -101,13 +102,22 @@ mod tests {
         assert_eq!([least(0.8), least(0.2), least(0.1)], [0.1, 0.1, 0.05]);
         assert_eq!(asked(None).margin(None), Ok(None));
         assert_eq!(asked(Some(0.0)).margin(None), Ok(None));
-        assert_eq!(asked(Some(0.0)).margin(Some(0.3)).unwrap().unwrap().least, 0.0);
+        assert_eq!(
+            asked(Some(0.0)).margin(Some(0.3)).unwrap().unwrap().least,
+            0.0
+        );
     }
 
     #[test]
     fn a_margin_that_the_finding_itself_does_not_keep_is_refused() {
         let margin = asked(Some(0.3)).margin(Some(0.4)).unwrap();
-        assert_eq!(margin, Some(Margin { own: 0.4, least: 0.3 }));
+        assert_eq!(
+            margin,
+            Some(Margin {
+                own: 0.4,
+                least: 0.3
+            })
+        );
         for (own, word) in [(Some(0.2), "by 0.200"), (None, "no number")] {
             let problem = asked(Some(0.3)).margin(own).unwrap_err();
             assert_eq!(problem.code, "no-margin");

@@ -106,7 +106,10 @@ impl ShrinkReport {
             is_minimal: shrunk.is_minimal,
             seeds: shrunk.seeds.into(),
             margin: shrunk.margin.map(|it| it.least),
-            violated_by: shrunk.margin.zip(shrunk.violated_by).map(|(it, kept)| [it.own, kept]),
+            violated_by: shrunk
+                .margin
+                .zip(shrunk.violated_by)
+                .map(|(it, kept)| [it.own, kept]),
             pinned: shrunk.pinned as u64,
             not_pinned: shrunk.not_pinned.clone(),
             causes: others

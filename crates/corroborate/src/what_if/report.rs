@@ -304,10 +304,19 @@ mod tests {
             report.text()
         };
         let told = text(vec![row("A", 0.0, 0.1), row("B", 0.11, 0.2)]);
-        assert!(told.contains("exclude each other: 1 of 1 compared, by 95 % intervals"), "{told}");
-        assert!(told.contains("A predicts a gain of +0.0000, B of +0.1100"), "{told}");
+        assert!(
+            told.contains("exclude each other: 1 of 1 compared, by 95 % intervals"),
+            "{told}"
+        );
+        assert!(
+            told.contains("A predicts a gain of +0.0000, B of +0.1100"),
+            "{told}"
+        );
         let told = text(vec![row("A", 0.0, 0.1), row("B", 0.1, 0.2)]);
-        assert!(told.contains("No predictions exclude each other (1 compared"), "{told}");
+        assert!(
+            told.contains("No predictions exclude each other (1 compared"),
+            "{told}"
+        );
         assert!(text(vec![row("A", 0.0, 0.1)]).contains("so none can exclude another"));
     }
 }

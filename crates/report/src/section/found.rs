@@ -153,6 +153,8 @@ fn what(view: View, finding: &Discovery) -> Markup {
             None => (capitalised(&finding.in_words)),
         }
         @if let Some(meaning) = meaning { span class="text" { (meaning) } }
+        @if finding.is_after_task() { span class="text" { "Only after the task was over." } }
+        @if let Some(told) = &finding.told_apart { span class="text" { "What is recorded: " (told.in_words()) "." } }
     }
 }
 

@@ -29,6 +29,7 @@ use links::RawLink;
 pub fn parse_urdf(file: &str, text: &str, resolve: &mut Resolver<'_>) -> Result<Loaded, Problems> {
     let root = xml::read(file, text).map_err(|problem| Problems(vec![problem]))?;
     let mut reader = Reader::new(resolve);
+    let root = reader.expanded(root)?;
     let model = robot(&mut reader, &root);
     reader.finish(model)
 }
@@ -38,11 +39,6 @@ pub(crate) fn robot(reader: &mut Reader<'_, '_>, root: &Element) -> Option<Model
     if root.name != "robot" {
         let message = format!("a URDF starts with <robot>, not with <{}>", root.name);
         reader.problem(&root.place, message, "name the file of the robot");
-        return None;
-    }
-    if let Some(place) = unexpanded(root) {
-        let message = "this is a xacro template, not a URDF";
-        reader.problem(&place, message, "expand it first: xacro FILE > robot.urdf");
         return None;
     }
     reader.known_attributes(root, &["name", "version"]);
@@ -62,22 +58,6 @@ pub(crate) fn robot(reader: &mut Reader<'_, '_>, root: &Element) -> Option<Model
         }
     }
     parts.assemble(reader, root)
-}
-
-/// The place of the first element of xacro, or of a substitution it would have made.
-fn unexpanded(root: &Element) -> Option<Place> {
-    let mut open = vec![root];
-    while let Some(element) = open.pop() {
-        if element.name.starts_with("xacro:") {
-            return Some(element.place.clone());
-        }
-        let attribute = element.attributes.iter().find(|a| a.value.contains("${"));
-        if let Some(attribute) = attribute {
-            return Some(attribute.place.clone());
-        }
-        open.extend(element.children.iter().rev());
-    }
-    None
 }
 
 /// What was read, before it is a tree.

@@ -8,3 +8,4 @@ mod sdf;
 mod shapes;
 mod trifles;
 mod urdf;
+mod xacro;

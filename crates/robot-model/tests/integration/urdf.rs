@@ -226,8 +226,8 @@ const WRONG: [(&str, &str); 14] = [
         "sphere@radius is -1",
     ),
     (
-        "<robot xmlns:xacro='http://ros.org/wiki/xacro'><xacro:macro name='m'/><link name='a'/></robot>",
-        "this is a xacro template",
+        "<robot xmlns:xacro='http://ros.org/wiki/xacro'><xacro:wheel side='left'/><link name='a'/></robot>",
+        "there is no macro `wheel`",
     ),
     (
         "<!DOCTYPE r [<!ENTITY a 'b'>]><robot name='&a;'><link name='a'/></robot>",

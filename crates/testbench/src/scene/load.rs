@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use robot_model::{Loaded, Problems, package_paths};
+use robot_model::{Loaded, Problems, own_package_path, package_paths};
 
 use super::build::Models;
 use super::data::SceneData;
@@ -55,7 +55,10 @@ fn description(path: &str, file: &ReadFile<'_>) -> Result<Loaded, ScenarioError>
         if paths.is_empty() {
             return file(address);
         }
+        let mut text = |path: &str| String::from_utf8(file(path).ok()?).ok();
+        let mut own = || own_package_path(path, address, &mut text);
         let found = paths.iter().find_map(|path| file(path).ok());
+        let found = found.or_else(|| file(&own()?).ok());
         found.ok_or_else(|| "no such file in the folders around the description".to_owned())
     };
     robot_model::parse(path, &text, &mut resolve).map_err(|problems| bad(problems.to_string()))

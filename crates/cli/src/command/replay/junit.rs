@@ -12,7 +12,10 @@ pub fn of(report: &RegressionsReport) -> String {
     let all = &report.regressions;
     let is_error = |it: &&RegressionReport| it.state == RegressionState::CannotBeRun;
     let errors = all.iter().filter(is_error).count();
-    let failures = all.iter().filter(|it| !it.as_expected && !is_error(it)).count();
+    let failures = all
+        .iter()
+        .filter(|it| !it.as_expected && !is_error(it))
+        .count();
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     let _ = writeln!(
         text,
@@ -42,7 +45,10 @@ fn case(regression: &RegressionReport, text: &mut String) {
     text.push_str("      <properties>\n");
     for (name, value) in properties {
         let value = escaped(value);
-        let _ = writeln!(text, "        <property name=\"{name}\" value=\"{value}\"/>");
+        let _ = writeln!(
+            text,
+            "        <property name=\"{name}\" value=\"{value}\"/>"
+        );
     }
     text.push_str("      </properties>\n");
     let what = match (regression.state, regression.as_expected) {

@@ -128,23 +128,35 @@ mod tests {
         let text = as_text(&all());
         let begins = |word: &str| text.lines().find(|line| line.starts_with(word));
         let still = begins("fails still").expect("a line");
-        assert!(still.ends_with("(other bytes than when it was stored)"), "{text}");
+        assert!(
+            still.ends_with("(other bytes than when it was stored)"),
+            "{text}"
+        );
         assert!(begins("passes   ").is_some(), "{text}");
         assert!(begins("FAILS AGAIN").is_some() && text.contains("it was mended before"));
         assert!(begins("PASSES NOW").is_some() && text.contains("`expected = \"passes\"`"));
         assert!(begins("NOT DECIDED").is_some() && text.contains("nor passes: no trigger"));
         assert!(begins("CANNOT BE RUN").is_some() && text.contains("\n    help: yes\n"));
-        assert!(text.ends_with("2 of 6 regressions do what is expected of them\n"), "{text}");
+        assert!(
+            text.ends_with("2 of 6 regressions do what is expected of them\n"),
+            "{text}"
+        );
     }
 
     #[test]
     fn junit_has_a_failure_for_each_that_is_not_as_expected() {
         let text = junit::of(&all());
-        assert!(text.contains("tests=\"6\" failures=\"3\" errors=\"1\""), "{text}");
+        assert!(
+            text.contains("tests=\"6\" failures=\"3\" errors=\"1\""),
+            "{text}"
+        );
         assert_eq!(text.matches("<testcase ").count(), 6);
         assert_eq!(text.matches("<failure ").count(), 3);
         assert_eq!(text.matches("<error ").count(), 1);
-        assert!(text.contains("<property name=\"expected\" value=\"passes\"/>"), "{text}");
+        assert!(
+            text.contains("<property name=\"expected\" value=\"passes\"/>"),
+            "{text}"
+        );
         assert!(text.contains("failure mode &lt;grip&gt;"), "{text}");
         assert!(text.contains("type=\"fails-again\""), "{text}");
         assert!(text.contains("type=\"passes-now\""), "{text}");

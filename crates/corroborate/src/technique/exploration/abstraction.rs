@@ -236,7 +236,10 @@ impl Abstraction {
 
     /// The signals by which states are told apart, `/topic.field`.
     pub fn signals(&self) -> BTreeSet<String> {
-        self.predicates.iter().flat_map(Predicate::signals).collect()
+        self.predicates
+            .iter()
+            .flat_map(Predicate::signals)
+            .collect()
     }
 }
 

@@ -110,6 +110,9 @@ struct State {
     named: Vec<u16>,
     #[serde(rename = "x")]
     extremes: Vec<Option<[f32; 2]>>,
+    /// For how long it was there, in seconds.
+    #[serde(rename = "s")]
+    secs: f32,
 }
 
 /// What signals an episode had.
@@ -119,6 +122,10 @@ pub struct Moments {
     pub at: Vec<Moment>,
     /// Whether the recording is all there is, so that what did not happen in it did not happen.
     pub is_whole: bool,
+    /// Names that the recording has and the bench's layout does not, by the place of their signal: their codes go on where
+    /// those of the layout end. A simulator of others says in its recordings which names it has.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    more_names: BTreeMap<usize, Vec<String>>,
     states: Vec<State>,
     /// Of each named signal the codes that it had, where not all combinations are kept.
     seen: Vec<Vec<u16>>,
@@ -157,6 +164,14 @@ impl Condition {
         }
     }
 
+    /// Whether it is one on a number.
+    pub fn is_of_number(&self) -> bool {
+        match self {
+            Self::Named(..) => false,
+            Self::AtLeast(..) | Self::AtMost(..) => true,
+        }
+    }
+
     fn is_named_in(self, named: &[u16]) -> bool {
         match self {
             Self::Named(place, code) => named.get(place) == Some(&code),
@@ -185,7 +200,7 @@ impl Moments {
                 before = reading.now.clone();
                 last_secs = sample.time_secs;
             }
-            reading.take(&replay);
+            reading.take(&replay, sample.time_secs);
         }
         for secs in wanted {
             at.push(reading.moment(secs, last_secs, &before));
@@ -193,9 +208,55 @@ impl Moments {
         reading.finish(at, trace.complete)
     }
 
+    /// Puts the codes of names that the layout does not have as `signals` has them, which takes those that are new.
+    pub fn join(&mut self, layout: &Signals, signals: &mut Signals) {
+        for (place, names) in std::mem::take(&mut self.more_names) {
+            let (Some(old), Some(known)) = (layout.named.get(place), signals.named.get_mut(place))
+            else {
+                continue;
+            };
+            let mut codes: Vec<u16> = Vec::new();
+            for name in names {
+                let at = known.names.iter().position(|it| *it == name);
+                let at = at.unwrap_or_else(|| {
+                    known.names.push(name);
+                    known.names.len() - 1
+                });
+                codes.push(u16::try_from(at).unwrap_or(UNKNOWN));
+            }
+            let first = old.names.len();
+            let renamed = |code: u16| {
+                let extra = usize::from(code).checked_sub(first);
+                extra.and_then(|it| codes.get(it).copied()).unwrap_or(code)
+            };
+            let moments = self.at.iter_mut();
+            let moments = moments.flat_map(|it| [&mut it.then.named, &mut it.before.named]);
+            for named in moments.chain(self.states.iter_mut().map(|it| &mut it.named)) {
+                named[place] = renamed(named[place]);
+            }
+            for code in self.seen.get_mut(place).into_iter().flatten() {
+                *code = renamed(*code);
+            }
+        }
+    }
+
     /// The moment at a time, if it was wanted.
     pub fn at_secs(&self, secs: f64) -> Option<&Moment> {
         self.at.iter().find(|moment| moment.secs == secs)
+    }
+
+    /// For which share of the episode conditions on names held together; 1 where that is not known.
+    pub fn share_of_time(&self, conditions: &[Condition]) -> f64 {
+        let is_known = self.seen.is_empty() && !conditions.iter().any(Condition::is_of_number);
+        let secs = |states: &mut dyn Iterator<Item = &State>| -> f64 {
+            states.map(|state| f64::from(state.secs)).sum()
+        };
+        let all = secs(&mut self.states.iter());
+        if !is_known || all <= 0.0 {
+            return 1.0;
+        }
+        let holds = |state: &&State| conditions.iter().all(|it| it.is_named_in(&state.named));
+        (secs(&mut self.states.iter().filter(holds)) / all).min(1.0)
     }
 
     /// Whether conditions may have held together at any time; false only where they did not.
@@ -204,9 +265,8 @@ impl Moments {
             return false;
         }
         let in_state = |state: &State| {
-            let reached = |it: &Condition| {
-                state.extremes.is_empty() || it.is_reached(&state.extremes)
-            };
+            let reached =
+                |it: &Condition| state.extremes.is_empty() || it.is_reached(&state.extremes);
             let mut all = conditions.iter();
             all.all(|it| it.is_named_in(&state.named) && reached(it))
         };
@@ -215,9 +275,10 @@ impl Moments {
         }
         // Combinations that were not kept may have been any of the values that there were.
         let was_seen = |it: &Condition| match *it {
-            Condition::Named(place, code) => {
-                self.seen.get(place).is_some_and(|seen| seen.contains(&code))
-            }
+            Condition::Named(place, code) => self
+                .seen
+                .get(place)
+                .is_some_and(|seen| seen.contains(&code)),
             Condition::AtLeast(..) | Condition::AtMost(..) => true,
         };
         !self.seen.is_empty() && conditions.iter().all(was_seen)
@@ -229,9 +290,12 @@ struct Reading<'s> {
     signals: &'s Signals,
     /// Where the recording has each named signal, and what its codes are in the bench's layout.
     named: Vec<Option<(SignalIndex, Vec<u16>)>>,
+    more_names: BTreeMap<usize, Vec<String>>,
     numbers: Vec<Option<SignalIndex>>,
     now: Values,
-    states: BTreeMap<Vec<u16>, Vec<Option<[f32; 2]>>>,
+    states: BTreeMap<Vec<u16>, (Vec<Option<[f32; 2]>>, f64)>,
+    /// When the last sample was.
+    last_secs: Option<f64>,
     overflow: bool,
     seen: Vec<Vec<u16>>,
     extremes: Vec<Option<[f32; 2]>>,
@@ -239,7 +303,8 @@ struct Reading<'s> {
 
 impl<'s> Reading<'s> {
     fn new(signals: &'s Signals, trace: &Trace) -> Self {
-        let codes = |named: &Named| {
+        let mut more_names: BTreeMap<usize, Vec<String>> = BTreeMap::new();
+        let mut codes = |(at, named): (usize, &Named)| {
             let place = trace.signal(&named.signal)?;
             let own = match &trace.field(place)?.kind {
                 FieldKind::Number => return None,
@@ -248,7 +313,12 @@ impl<'s> Reading<'s> {
             };
             let code = |name: &String| {
                 let found = named.names.iter().position(|known| known == name);
-                found.and_then(|it| u16::try_from(it).ok()).unwrap_or(UNKNOWN)
+                let found = found.unwrap_or_else(|| {
+                    let more = more_names.entry(at).or_default();
+                    more.push(name.clone());
+                    named.names.len() + more.len() - 1
+                });
+                u16::try_from(found).unwrap_or(UNKNOWN)
             };
             Some((place, own.iter().map(code).collect()))
         };
@@ -258,26 +328,40 @@ impl<'s> Reading<'s> {
         };
         Self {
             signals,
-            named: signals.named.iter().map(codes).collect(),
+            named: signals.named.iter().enumerate().map(&mut codes).collect(),
+            more_names,
             numbers: signals.numbers.iter().map(number).collect(),
             now: Values {
                 named: vec![UNKNOWN; signals.named.len()],
                 numbers: vec![None; signals.numbers.len()],
             },
             states: BTreeMap::new(),
+            last_secs: None,
             overflow: false,
             seen: vec![Vec::new(); signals.named.len()],
             extremes: vec![None; signals.numbers.len()],
         }
     }
 
-    fn take(&mut self, replay: &Replay<'_>) {
+    /// Takes a sample.
+    fn take(&mut self, replay: &Replay<'_>, time_secs: f64) {
+        // What was until now lasted until now.
+        if let Some((_, secs)) = self.states.get_mut(&self.now.named) {
+            *secs += self
+                .last_secs
+                .map_or(0.0, |last| (time_secs - last).max(0.0));
+        }
+        self.last_secs = Some(time_secs);
         for (value, place) in self.now.named.iter_mut().zip(&self.named) {
-            let Some((place, codes)) = place else { continue };
+            let Some((place, codes)) = place else {
+                continue;
+            };
             let raw = replay.raw(*place);
             // A row that does not say it leaves it unknown.
             let index = (raw.is_finite() && raw >= 0.0).then_some(raw as usize);
-            *value = index.and_then(|it| codes.get(it).copied()).unwrap_or(UNKNOWN);
+            *value = index
+                .and_then(|it| codes.get(it).copied())
+                .unwrap_or(UNKNOWN);
         }
         for (value, place) in self.now.numbers.iter_mut().zip(&self.numbers) {
             let raw = place.map_or(f64::NAN, |place| replay.raw(place)) as f32;
@@ -291,11 +375,11 @@ impl<'s> Reading<'s> {
         widen(&mut self.extremes, &self.now.numbers);
         let is_full = self.states.len() >= MOST_STATES;
         match self.states.get_mut(&self.now.named) {
-            Some(extremes) => widen(extremes, &self.now.numbers),
+            Some((extremes, _)) => widen(extremes, &self.now.numbers),
             None if !is_full => {
                 let mut extremes = vec![None; self.now.numbers.len()];
                 widen(&mut extremes, &self.now.numbers);
-                self.states.insert(self.now.named.clone(), extremes);
+                self.states.insert(self.now.named.clone(), (extremes, 0.0));
             }
             None => self.overflow = true,
         }
@@ -307,19 +391,28 @@ impl<'s> Reading<'s> {
         Moment {
             secs,
             then: self.now.clone(),
-            before: if is_there { before.clone() } else { self.now.clone() },
+            before: if is_there {
+                before.clone()
+            } else {
+                self.now.clone()
+            },
         }
     }
 
     fn finish(self, at: Vec<Moment>, is_whole: bool) -> Moments {
         let keeps = self.states.len() * self.signals.numbers.len() <= MOST_EXTREMES;
-        let states = self.states.into_iter().map(|(named, extremes)| State {
-            named,
-            extremes: if keeps { extremes } else { Vec::new() },
-        });
+        let states = self
+            .states
+            .into_iter()
+            .map(|(named, (extremes, secs))| State {
+                named,
+                extremes: if keeps { extremes } else { Vec::new() },
+                secs: secs as f32,
+            });
         Moments {
             at,
             is_whole,
+            more_names: self.more_names,
             states: states.collect(),
             seen: if self.overflow { self.seen } else { Vec::new() },
             extremes: self.extremes,
@@ -351,7 +444,9 @@ mod tests {
         let robot = trace.add_channel("/robot", fields).expect("a new topic");
         for (second, (mode, speed)) in rows.iter().enumerate() {
             let row = [*mode, *speed];
-            trace.channels[robot].push(second as f64, &row).expect("in order");
+            trace.channels[robot]
+                .push(second as f64, &row)
+                .expect("in order");
         }
         trace
     }
@@ -374,6 +469,10 @@ mod tests {
         assert!(carries.holds(&at(1.5).then) && carries.holds(&at(1.5).before));
         assert_eq!(at(9.0).then.numbers, [Some(0.25)]);
         assert!(moments.at_secs(0.0).is_none());
+        // Each mode lasted for a second, but the last.
+        assert_eq!(moments.share_of_time(&[carries]), 0.5);
+        assert_eq!(moments.share_of_time(&[Condition::Named(0, 2)]), 0.0);
+        assert_eq!(moments.share_of_time(&[Condition::AtLeast(0, 2.0)]), 1.0);
     }
 
     #[test]
@@ -389,7 +488,9 @@ mod tests {
         for second in 0..400_u32 {
             let row = [f64::from(second), f64::from(second % 2), f64::from(second)];
             let time_secs = f64::from(second);
-            trace.channels[robot].push(time_secs, &row).expect("in order");
+            trace.channels[robot]
+                .push(time_secs, &row)
+                .expect("in order");
         }
         let moments = Moments::of(&Signals::of(&trace), &trace, &[]);
         assert!(moments.states.len() == MOST_STATES && !moments.seen.is_empty());
@@ -405,17 +506,36 @@ mod tests {
     }
 
     #[test]
-    fn names_are_the_same_whatever_their_order_in_a_recording() {
-        let layout = recording(&[]);
-        let mut other = Trace::new();
-        let fields = vec![Field::enumeration("mode", ["full", "new", "idle"])];
-        let robot = other.add_channel("/robot", fields).expect("a new topic");
-        for (second, mode) in [0.0, 1.0, 2.0].into_iter().enumerate() {
-            let pushed = other.channels[robot].push(second as f64, &[mode]);
-            pushed.expect("in order");
+    fn names_are_the_same_whatever_their_order_in_a_recording_and_new_ones_are_kept() {
+        let layout = Signals::of(&recording(&[]));
+        let mut signals = layout.clone();
+        let mut of = |names: [&str; 3]| {
+            let mut trace = Trace::new();
+            let fields = vec![Field::enumeration("mode", names)];
+            let robot = trace.add_channel("/robot", fields).expect("a new topic");
+            for (second, mode) in [0.0, 1.0, 2.0].into_iter().enumerate() {
+                let pushed = trace.channels[robot].push(second as f64, &[mode]);
+                pushed.expect("in order");
+            }
+            let mut moments = Moments::of(&layout, &trace, &[1.0]);
+            moments.join(&layout, &mut signals);
+            moments
+        };
+        let (first, second) = (of(["full", "new", "idle"]), of(["newer", "new", "carry"]));
+        assert_eq!(
+            signals.named[0].names,
+            ["idle", "carry", "full", "new", "newer"]
+        );
+        let had = |moments: &Moments| -> Vec<bool> {
+            let held = |code: u16| moments.may_have_held(&[Condition::Named(0, code)]);
+            (0..5).map(held).collect()
+        };
+        assert_eq!(had(&first), [true, false, true, true, false]);
+        assert_eq!(had(&second), [false, true, false, true, true]);
+        // Both had `new` at the moment that was wanted.
+        for moments in [&first, &second] {
+            let moment = moments.at_secs(1.0).expect("it was wanted");
+            assert_eq!(moment.then.named, [3]);
         }
-        let moments = Moments::of(&Signals::of(&layout), &other, &[]);
-        let had = |code: u16| moments.may_have_held(&[Condition::Named(0, code)]);
-        assert_eq!([had(0), had(1), had(2)], [true, false, true]);
     }
 }

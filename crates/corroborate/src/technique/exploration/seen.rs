@@ -6,6 +6,7 @@ use super::code::Code;
 use super::distinction::{Recorded, Search, Told};
 use super::episode::{Shown, Watching};
 use super::form::{CoverageReport, CrossReport, FindingReport, SaturationReport, SetReport};
+use super::moments::Signals;
 use super::plan::Plan;
 use super::sources::Planned;
 use crate::technique::rows::{Rows, Value};
@@ -70,6 +71,9 @@ pub struct Seen<'a> {
     bench: &'a OpenBench,
     judged: Vec<String>,
     rows: Rows,
+    /// The signals of the bench's layout, and with all names that recordings had.
+    layout: &'a Signals,
+    signals: Signals,
     /// What signals all episodes had.
     recorded: Recorded,
     /// Whether anything says when the task is over.
@@ -78,7 +82,7 @@ pub struct Seen<'a> {
 
 impl<'a> Seen<'a> {
     /// Nothing yet.
-    pub fn new(study: &Study, plan: &'a Plan, watching: &Watching<'a>) -> Self {
+    pub fn new(study: &Study, plan: &'a Plan, watching: &'a Watching<'a>) -> Self {
         let abstraction = watching.abstraction;
         let judged = study.forms.subjects.iter().filter(|f| f.monitor.is_some());
         let judged: Vec<String> = judged.map(|f| f.subject.id().to_owned()).collect();
@@ -99,6 +103,8 @@ impl<'a> Seen<'a> {
             bench: watching.bench,
             judged,
             rows: Rows::default(),
+            layout: &watching.signals,
+            signals: watching.signals.clone(),
             recorded: Recorded::new(),
             knows_end: watching.knows_end(),
         }
@@ -163,7 +169,9 @@ impl<'a> Seen<'a> {
             things.extend(lines.into_iter().map(|line| format!("line {line}")));
         }
         if shown.broken.is_none() {
-            self.recorded.insert(episode, shown.moments.clone());
+            let mut moments = shown.moments.clone();
+            moments.join(self.layout, &mut self.signals);
+            self.recorded.insert(episode, moments);
         }
         for (shows, secs) in self.shows(shown) {
             things.push(shows.to_string());
@@ -275,7 +283,9 @@ impl<'a> Seen<'a> {
         let violated = violated.map(|id| (Shows::Violated(id.clone()), at(id)));
         let modes = shown.failure_modes.iter();
         let modes = modes.map(|id| (Shows::FailureMode(id.clone()), at(id)));
-        let failed = shown.failed.map(|kind| (Shows::Failed(kind), shown.end_secs));
+        let failed = shown
+            .failed
+            .map(|kind| (Shows::Failed(kind), shown.end_secs));
         let unknown = shown.unknown.iter().zip(&shown.unknown_secs);
         let unknown = unknown.filter_map(|((from, to), secs)| {
             let abstraction = self.abstraction?;
@@ -372,12 +382,15 @@ impl<'a> Seen<'a> {
             Shows::Violated(id) | Shows::FailureMode(id) => {
                 Judges::new(watching.study, |subject| subject.id() == id)?.signals()
             }
-            Shows::Unknown(_) => self.abstraction.map(Abstraction::signals).unwrap_or_default(),
+            Shows::Unknown(_) => self
+                .abstraction
+                .map(Abstraction::signals)
+                .unwrap_or_default(),
             Shows::Failed(_) => BTreeSet::new(),
         };
         let showed = found.met.iter().map(|met| (met.episode, met.secs));
         let search = Search {
-            signals: &watching.signals,
+            signals: &self.signals,
             recorded: &self.recorded,
             level,
         };

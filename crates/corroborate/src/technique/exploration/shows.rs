@@ -77,7 +77,8 @@ impl<'a> ShowsJudge<'a> {
     /// Whether an episode shows it, and if not, whether it was put to the test.
     pub fn said(&self, recorded: &Recorded) -> Result<Said, Problem> {
         let failure = recorded.failure.as_ref();
-        let ended = failure.map(|it| format!("the episode ended by another failure: {}", kind_of(it)));
+        let ended =
+            failure.map(|it| format!("the episode ended by another failure: {}", kind_of(it)));
         let step = match &self.shows {
             Shows::Failed(kind) => {
                 return Ok(match ended {
@@ -113,11 +114,19 @@ impl<'a> ShowsJudge<'a> {
         let main = judgements.iter().filter(|j| j.reading.is_none());
         let verdicts: Vec<Verdict> = main.map(|j| j.findings.verdict).collect();
         let has = |verdict: Verdict| verdicts.contains(&verdict);
-        Ok(match (has(Verdict::Violated), has(Verdict::NotCovered), has(Verdict::Inconclusive)) {
-            (true, ..) => Said::Shown,
-            (_, true, _) => Said::Undecided("it never came up: its trigger was not met".to_owned()),
-            (.., true) => Said::Undecided("the recording does not decide it".to_owned()),
-            _ => Said::NotShown,
-        })
+        Ok(
+            match (
+                has(Verdict::Violated),
+                has(Verdict::NotCovered),
+                has(Verdict::Inconclusive),
+            ) {
+                (true, ..) => Said::Shown,
+                (_, true, _) => {
+                    Said::Undecided("it never came up: its trigger was not met".to_owned())
+                }
+                (.., true) => Said::Undecided("the recording does not decide it".to_owned()),
+                _ => Said::NotShown,
+            },
+        )
     }
 }
