@@ -215,20 +215,20 @@ impl Diagnosing<'_> {
         for piece in &mut evidence {
             let entry = self.study.entry(&piece.id)?;
             let (work, id) = (&entry.work, &piece.id);
-            let findings = match &edit.reach {
-                Reach::Tree(tree) if tree != id => continue,
-                Reach::Tree(_) => self.tree_with(entry, edit, &piece.findings)?,
-                Reach::Models => {
-                    let Some(model) = work.model() else { continue };
+            let findings = match (&edit.reach, work.model()) {
+                (Reach::Tree(tree), _) if tree != id => continue,
+                (Reach::Tree(_), _) => self.tree_with(entry, edit, &piece.findings)?,
+                (Reach::Models | Reach::All, Some(model)) => {
                     let then = self.model_values(study, model)?;
                     answers(now.get(model), &then, &piece.findings)
                 }
-                Reach::Tables => {
+                (Reach::Models, None) => continue,
+                (Reach::Tables, _) => {
                     let Some(files) = work.tables() else { continue };
                     let tables = Tables::read(study, files)?;
                     tables.produce(study, id, work.technique())?.findings
                 }
-                Reach::Runs => {
+                (Reach::Runs, _) | (Reach::All, None) => {
                     let episodes = || self.folder.join("episodes").join(id);
                     let parts = work.parts();
                     let (folder, is_once) = match (parts.recordings, parts.simulated) {
