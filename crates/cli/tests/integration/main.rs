@@ -30,6 +30,7 @@ mod language;
 mod licences;
 mod one_person;
 mod persistent_command;
+mod planted_values;
 mod rare;
 mod recordings;
 mod refine;
