@@ -19,6 +19,7 @@ mod record;
 mod recount;
 mod table;
 mod tally;
+mod took;
 mod until;
 mod watched;
 
