@@ -234,7 +234,16 @@ pub fn not_shown_again() -> Mark {
 pub fn comparison(result: Outcome, independent: bool) -> Mark {
     let mut mark = outcome(result);
     if !independent && result == Outcome::Corroborates {
-        mark.word = "agrees, not independent".to_owned();
+        mark.word = "agrees, a fit".to_owned();
+    }
+    mark
+}
+
+/// Outcome of the comparison of a pair, whose runs may be paired.
+pub fn pair(pair: &Comparison) -> Mark {
+    let mut mark = comparison(pair.outcome, pair.independent);
+    if pair.paired && pair.outcome == Outcome::Corroborates {
+        mark.word = "agrees, paired".to_owned();
     }
     mark
 }

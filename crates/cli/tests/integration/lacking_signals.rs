@@ -92,7 +92,9 @@ fn finding(folder: &Path, subject: &str) -> serde_json::Value {
 
 #[test]
 fn what_one_recording_lacks_leaves_its_requirements_without_a_verdict_there() {
-    let (folder, said) = run(&[("a.csv", WHOLE), ("b.csv", WITHOUT), ("c.csv", WHOLE)]);
+    // The same messages once more would be the same trial.
+    let other = WHOLE.replace("0.2", "0.3");
+    let (folder, said) = run(&[("a.csv", WHOLE), ("b.csv", WITHOUT), ("c.csv", &other)]);
     assert_eq!(said.code, 3, "{said:?}");
     let told = "O: b.csv has no /gap.distance; what reads that reaches no verdict there";
     assert!(said.talk.contains(told), "{said:?}");
@@ -196,7 +198,7 @@ fn what_has_no_verdict_counts_both_ways_unless_it_is_declared() {
         let far = "shall = \"The robot shall always satisfy far.\"";
         write(
             "requirements.toml",
-            REQUIREMENTS.replace(far, &format!("{far}\nthreshold = 0.9")),
+            REQUIREMENTS.replace(far, &format!("{far}\nthreshold = \"at least 0.9\"")),
         );
         let said = corroborate(folder.path(), &["run", "."]);
         let text = std::fs::read_to_string(folder.path().join("results/study.json"));
