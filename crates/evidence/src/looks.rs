@@ -251,12 +251,11 @@ impl Belief {
                 looks.push(one);
             }
         }
-        let completions = completions.map(|ends| {
-            let of = |place: usize| {
-                let then = completed(earlier, place, &ends[place]);
-                ends[place].clone().looked_at(&then)
+        let completions = completions.map(|ends| -> Rc<[Belief]> {
+            let of = |(place, end): (usize, &Belief)| {
+                end.clone().looked_at(&completed(earlier, place, end))
             };
-            Rc::new([of(0), of(1)])
+            ends.iter().enumerate().map(of).collect()
         });
         Belief::Counts {
             sample,
@@ -281,9 +280,9 @@ pub(crate) fn completed(
     let mut next = *sample;
     let mut found: Vec<Option<Belief>> = Vec::new();
     for look in earlier.iter().rev() {
-        let end = look
-            .as_ref()
-            .and_then(|it| it.ends().get(place).or(it.ends().first()));
+        // Of what may be told twice a look kept the counts with all.
+        let of_place = |it: &Belief| it.ends().get(place % it.ends().len()).cloned();
+        let end = look.as_ref().and_then(of_place);
         let end = end.and_then(|it| it.within(&next));
         if let Some(Belief::Counts { sample, .. }) = &end {
             next = *sample;
@@ -329,7 +328,7 @@ impl LookedAt {
             .effective_trials
             .map(|it| it * all as f64 / self.trials as f64);
         let end = |count: u64| Belief::of_counts(count, all, worth).ok();
-        Some(belief.completed_by([end(self.count)?, end(self.count + self.undecided)?]))
+        Some(belief.completed_by(vec![end(self.count)?, end(self.count + self.undecided)?]))
     }
 }
 

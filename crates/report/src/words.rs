@@ -2,9 +2,9 @@
 //! one word, one symbol and one style, so that colour never stands alone.
 
 use evidence::{
-    AssetRole, CERTAINTY, Conclusion, Direction, ErrorFamily, Guarantee, Identification,
-    Inaccuracy, Likeness, Measure, Outcome, RegionOutcome, Requirement, Standing, Step,
-    StudyResult, Suspect, Technique, Threshold, Verdict,
+    AssetRole, CERTAINTY, Comparison, Conclusion, Direction, ErrorFamily, Guarantee,
+    Identification, Inaccuracy, Likeness, Measure, Outcome, RegionOutcome, Requirement, Standing,
+    Step, StudyResult, Suspect, Technique, Threshold, Verdict,
 };
 
 use crate::number;

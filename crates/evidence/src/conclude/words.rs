@@ -131,11 +131,15 @@ pub(super) fn piece(
     }
 }
 
-/// How many runs without a verdict count both ways, behind a count.
+/// Which runs count both ways, behind a count.
 fn counted_both_ways(belief: &Belief) -> String {
-    match belief.undecided() {
+    let undecided = match belief.undecided() {
         0 => String::new(),
         many => format!(" and {many} undecided, counted against and for"),
+    };
+    match belief.may_be_told_twice() {
+        true => format!("{undecided} (copies counted once and each)"),
+        false => undecided,
     }
 }
 

@@ -43,7 +43,7 @@ use crate::technique::experiment::Tables;
 use crate::technique::kinds::{Asked, tree_values};
 use crate::technique::model_checking::Compiled;
 use crate::technique::operation::only_violations;
-use crate::technique::{same_messages, simulation};
+use crate::technique::simulation;
 use diagnostic::Problem;
 use evidence::{
     Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
@@ -230,14 +230,12 @@ impl Diagnosing<'_> {
                 }
                 (Reach::Runs, _) | (Reach::All, None) => {
                     let episodes = || self.folder.join("episodes").join(id);
-                    let parts = work.parts();
-                    let (folder, is_once) = match (parts.recordings, parts.simulated) {
-                        (Some(of), _) => (self.study.folder.join(of.folder), of.repeated.is_none()),
-                        // Episodes are trials of their own, whatever they record.
-                        (None, Some(_)) => (episodes(), false),
-                        (None, None) => continue,
+                    let recordings = work.recordings().map(|of| self.study.folder.join(of));
+                    let simulated = work.simulated().map(|_| episodes());
+                    let Some(folder) = recordings.or(simulated) else {
+                        continue;
                     };
-                    self.verdicts(study, scratch, (&folder, is_once))?
+                    self.verdicts(study, scratch, &folder)?
                 }
             };
             let known = findings.into_iter();
@@ -316,7 +314,7 @@ impl Diagnosing<'_> {
         &self,
         study: &Study,
         scratch: &Scratch,
-        (folder, is_once): (&Path, bool),
+        folder: &Path,
     ) -> Result<Vec<Finding>, Problem> {
         let Ok(found) = recording::trials(folder) else {
             return Ok(Vec::new());
@@ -324,12 +322,8 @@ impl Diagnosing<'_> {
         if found.trials.is_empty() {
             return Ok(Vec::new());
         }
+        let trials = super::events::evenly(found.trials, MOST_RUNS);
         let rules = ReadingRules::of_study(&scratch.folder, None)?;
-        let trials = match is_once {
-            true => same_messages::once(found.trials, &rules.options).0,
-            false => found.trials,
-        };
-        let trials = super::events::evenly(trials, MOST_RUNS);
         let judges = Judges::new(study, |_| true)?;
         let go_on = || self.setting.go_on();
         let judged: Vec<_> = trials
