@@ -28,6 +28,7 @@ mod init;
 mod lacking_signals;
 mod language;
 mod licences;
+mod limits_of_time;
 mod one_person;
 mod persistent_command;
 mod planted_values;
