@@ -139,8 +139,7 @@ fn a_bound_that_says_the_same_has_not() {
         assert_eq!(of_property(sentence, property), [], "{sentence} {property}");
     }
     // Two stages, each with its own limit.
-    let stages =
-        "Upon start the robot shall within 3 s satisfy mid, then within 3 s satisfy done.";
+    let stages = "Upon start the robot shall within 3 s satisfy mid, then within 3 s satisfy done.";
     let property = r#"P=? [ G ("start" => (F<=30 ("mid" & (F<=30 "done")))) ]"#;
     assert_eq!(of_property(stages, property), []);
 }

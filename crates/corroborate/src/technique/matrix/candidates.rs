@@ -109,8 +109,12 @@ const TOPICS: &str = "topics.toml";
 const STUDY: &str = "study.toml";
 const LEDGER: &str = "ledger.toml";
 
-/// All that is suggested, in the order of the files.
-pub(super) fn candidates(study: &Study) -> Result<Vec<TextEdit>, Problem> {
+/// All that is suggested, in the order of the files. Of numbers that formulas read those alone that bear on a subject that
+/// `disagrees`, since each is tried on all recordings.
+pub(super) fn candidates(
+    study: &Study,
+    disagrees: &dyn Fn(&Subject) -> bool,
+) -> Result<Vec<TextEdit>, Problem> {
     let mut found = columns(study)?;
     found.extend(model_bindings(study)?);
     for form in &study.forms.subjects {
@@ -118,8 +122,8 @@ pub(super) fn candidates(study: &Study) -> Result<Vec<TextEdit>, Problem> {
         found.extend(limits::of_form(study, form));
     }
     found.extend(topics::quantities(study));
-    found.extend(quantities::in_bindings(study));
-    found.extend(quantities::parameters(study));
+    found.extend(quantities::in_bindings(study, disagrees));
+    found.extend(quantities::parameters(study, disagrees));
     found.extend(times::of_step(study));
     found.extend(times::of_missions(study));
     let path = study.folder.join(TOPICS);

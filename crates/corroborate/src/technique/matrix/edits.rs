@@ -55,7 +55,7 @@ use judging::Judges;
 use judging::recording::ReadingRules;
 use rayon::prelude::*;
 use scratch::Scratch;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use study::Study;
 
@@ -94,7 +94,9 @@ impl Diagnosing<'_> {
         let now = self.models_now()?;
         let mut found: Vec<Explained> = Vec::new();
         let mut tried = 0_u32;
-        for edit in candidates(self.study)? {
+        let strong = before.iter().filter(|(_, apart)| **apart > STRONG);
+        let strong: BTreeSet<&Subject> = strong.map(|((.., subject), _)| subject).collect();
+        for edit in candidates(self.study, &|subject| strong.contains(subject))? {
             self.setting.go_on()?;
             // An edit with which the study cannot be read is none.
             let after = scratch

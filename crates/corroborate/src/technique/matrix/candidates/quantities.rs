@@ -17,7 +17,7 @@
 
 use super::topics::{UNITS, numbers_with_units, other_units};
 use super::{PARAMETERS, Reach, TOPICS, TextEdit, binding, limits::said_texts, of_monitor, values};
-use evidence::SuspectKind;
+use evidence::{Subject, SuspectKind};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use study::{Study, SubjectForm};
@@ -39,7 +39,7 @@ const SCALES: [f64; 5] = [
 const SAME_PART: f64 = 1e-9;
 
 /// Other values of the parameters that are read.
-pub(super) fn parameters(study: &Study) -> Vec<TextEdit> {
+pub(super) fn parameters(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> Vec<TextEdit> {
     let mut found = Vec::new();
     for (name, declared) in &study.parameters.declared {
         let readers: Vec<&SubjectForm> = readers(study, name).collect();
@@ -48,7 +48,7 @@ pub(super) fn parameters(study: &Study) -> Vec<TextEdit> {
         };
         let said = said(study, &readers, &own);
         let is_said = said.iter().any(|(it, _)| it.is_same(&own));
-        if readers.is_empty() || is_said {
+        if is_said || !readers.iter().any(|form| disagrees(&form.subject)) {
             continue;
         }
         let told = said.into_iter();
@@ -73,7 +73,7 @@ pub(super) fn parameters(study: &Study) -> Vec<TextEdit> {
 }
 
 /// Other numbers in the bindings of traces, and comparisons the other way round.
-pub(super) fn in_bindings(study: &Study) -> Vec<TextEdit> {
+pub(super) fn in_bindings(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> Vec<TextEdit> {
     let mut found = Vec::new();
     for (name, proposition) in &study.vocabulary.propositions {
         let Some(place) = &proposition.trace else {
@@ -83,6 +83,9 @@ pub(super) fn in_bindings(study: &Study) -> Vec<TextEdit> {
         let readers: Vec<&SubjectForm> = forms
             .filter(|form| of_monitor(form).contains(name))
             .collect();
+        if !readers.iter().any(|form| disagrees(&form.subject)) {
+            continue;
+        }
         let within = |span: &Range<usize>| {
             let start = place.span.start;
             start + span.start..start + span.end
