@@ -168,12 +168,12 @@ mod tests {
         let (folder, trials) = written(
             "copies",
             &[
-                ("a.csv", "time,x\n0,1\n1,2\n"),
-                ("b.csv", "time,x\n0,1\n1,3\n"),
+                ("a.csv", "time_secs,x\n0,1\n1,2\n"),
+                ("b.csv", "time_secs,x\n0,1\n1,3\n"),
                 // The same rows with another line ending.
-                ("c.csv", "time,x\r\n0,1\r\n1,2\r\n"),
-                ("d.csv", "time,x\n0,1\n1,2\n2,3\n"),
-                ("e.csv", "time,x\n5,1\n"),
+                ("c.csv", "time_secs,x\r\n0,1\r\n1,2\r\n"),
+                ("d.csv", "time_secs,x\n0,1\n1,2\n2,3\n"),
+                ("e.csv", "time_secs,x\n5,1\n"),
             ],
         );
         let found = repeated(&trials, &OpenOptions::default());
