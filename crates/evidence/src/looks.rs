@@ -235,6 +235,7 @@ fn contains(later: &Sample, earlier: &Sample) -> bool {
 impl Belief {
     /// The same counts after looks at some of the trials before.
     pub(crate) fn looked_at(self, earlier: &[Option<Belief>]) -> Self {
+        let undecided = self.undecided();
         let Belief::Counts {
             sample,
             effective,
@@ -253,7 +254,8 @@ impl Belief {
         }
         let completions = completions.map(|ends| -> Rc<[Belief]> {
             let of = |(place, end): (usize, &Belief)| {
-                end.clone().looked_at(&completed(earlier, place, end))
+                let then = completed(earlier, (place, undecided), end);
+                end.clone().looked_at(&then)
             };
             ends.iter().enumerate().map(of).collect()
         });
@@ -267,11 +269,13 @@ impl Belief {
     }
 }
 
-/// What was known at earlier looks if each run without a verdict counts as at one end. A run that was undecided then and has
-/// a verdict now counts as it was decided, so that later counts always contain earlier ones.
+/// What was known at earlier looks if each run without a verdict counts as at one end (its place, and how many there are now).
+///
+/// A look that tells of none, as those of older versions, is taken to have had as many as there are now. A run that was
+/// undecided then and has a verdict now counts as it was decided, so that later counts always contain earlier ones.
 pub(crate) fn completed(
     earlier: &[Option<Belief>],
-    place: usize,
+    (place, undecided): (usize, u64),
     now: &Belief,
 ) -> Vec<Option<Belief>> {
     let Belief::Counts { sample, .. } = now else {
@@ -280,9 +284,7 @@ pub(crate) fn completed(
     let mut next = *sample;
     let mut found: Vec<Option<Belief>> = Vec::new();
     for look in earlier.iter().rev() {
-        // Of what may be told twice a look kept the counts with all.
-        let of_place = |it: &Belief| it.ends().get(place % it.ends().len()).cloned();
-        let end = look.as_ref().and_then(of_place);
+        let end = look.as_ref().and_then(|it| it.end(place, undecided));
         let end = end.and_then(|it| it.within(&next));
         if let Some(Belief::Counts { sample, .. }) = &end {
             next = *sample;
@@ -294,6 +296,25 @@ pub(crate) fn completed(
 }
 
 impl Belief {
+    /// The end at a place; of counts that tell of no runs without a verdict, as if there had been so many.
+    fn end(&self, place: usize, undecided: u64) -> Option<Belief> {
+        let (
+            Belief::Counts {
+                sample, effective, ..
+            },
+            false,
+        ) = (self, self.has_undecided())
+        else {
+            // Of what may be told twice a look kept the counts with all.
+            return self.ends().get(place % self.ends().len()).cloned();
+        };
+        // The lowest stands at even places, the highest at odd ones.
+        let more = if place % 2 == 0 { 0 } else { undecided };
+        let trials = sample.trials.checked_add(undecided)?;
+        let worth = effective.trials * trials as f64 / sample.trials as f64;
+        Belief::of_counts(sample.successes + more, trials, Some(worth)).ok()
+    }
+
     /// The same with no more successes and failures than later counts have; `None` where nothing is left.
     fn within(&self, later: &Sample) -> Option<Belief> {
         let Belief::Counts {

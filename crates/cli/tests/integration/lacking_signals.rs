@@ -179,7 +179,7 @@ fn what_has_no_verdict_counts_both_ways_unless_it_is_declared() {
             // Each has its own values.
             (
                 format!("{i}.csv"),
-                text.replace("1,0.2", &format!("1,0.2{i}")),
+                text.replace("1,0.2", &format!("1,0.{}", 100 + i)),
             )
         })
         .collect();
