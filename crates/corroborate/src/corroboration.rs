@@ -53,7 +53,16 @@ pub fn piece(
     let declared = entry.work.parts().recordings.and_then(|it| it.repeated);
     let repeated = repeated_question(&entry.id, &produced.repeated_recordings, declared);
     let is_published = technique.is_of_simulator() && entry.work.is_read();
-    let findings = counting_undecided(study, entry, produced.findings)?;
+    let once = counting_undecided(study, entry, produced.findings_once)?;
+    let findings = counting_undecided(study, entry, produced.findings)?.into_iter();
+    // What of it may be told twice counts with and without.
+    let findings =
+        findings.map(
+            |finding| match once.iter().find(|it| it.subject == finding.subject) {
+                Some(once) => finding.or_once(once),
+                None => finding,
+            },
+        );
     Ok(Piece {
         evidence: Evidence {
             id: entry.id.clone(),
@@ -73,7 +82,7 @@ pub fn piece(
             intermediate: entry.intermediate,
             published: is_published,
             reproduced_by: entry.reproduced_by.clone(),
-            findings,
+            findings: findings.collect(),
             form_differences: produced.form_differences,
             description_gaps: produced.description_gaps,
             failures: produced.failures,

@@ -59,6 +59,9 @@ pub struct Produced {
     /// Recordings with the same messages as others.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repeated_recordings: Vec<RepeatedRecording>,
+    /// What was found without them, unless the ledger says that they are trials of their own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings_once: Vec<Finding>,
     /// What a formal model tells of failure modes and requirements.
     pub influences: Vec<Influence>,
     /// What it took.

@@ -6,6 +6,9 @@
 //! *completions* of the count are `k` of `n + u` and `k + u` of `n + u`; all others lie between. A statement on the rate is
 //! made only if it holds of both: p-values are the greatest, limits and intervals the widest of the two.
 //!
+//! Likewise runs that may be others told twice ([`Finding::or_once`]): the count with them and the count without them are two
+//! more ends.
+//!
 //! Of trials that are alike by subject or session the `u` runs are a further one, of which all count or none.
 //!
 //! # Source
@@ -61,17 +64,40 @@ impl Finding {
             return Ok(self);
         }
         let end = |more: u64| with_more(&self.measure, [more, undecided], level, counted);
-        let (lowest, highest) = (end(0)?, end(undecided)?);
-        let limits = [&self.measure, &lowest, &highest].map(Measure::interval);
-        let widest = limits.into_iter().flatten().reduce(|one, other| Interval {
+        self.may_be(vec![end(0)?, end(undecided)?]);
+        Ok(self)
+    }
+
+    /// The same where some of its runs may be others told twice: `once` is what is found without them. What holds of both holds
+    /// whether they are or not.
+    #[must_use]
+    pub fn or_once(mut self, once: &Self) -> Self {
+        let ends = |finding: &Self| match &finding.completions {
+            Some(completions) => completions.ends.clone(),
+            None => vec![finding.measure.clone()],
+        };
+        let is_counted = |it: &Measure| matches!(it, Measure::Counts { trials, .. } if *trials > 0);
+        if is_counted(&self.measure) && is_counted(&once.measure) && self.measure != once.measure {
+            let all = ends(&self).into_iter().chain(ends(once)).collect();
+            self.may_be(all);
+        }
+        self
+    }
+
+    /// Takes what it may be, and widens its interval to all of it.
+    fn may_be(&mut self, ends: Vec<Measure>) {
+        let limits = ends
+            .iter()
+            .chain([&self.measure])
+            .filter_map(Measure::interval);
+        let widest = limits.reduce(|one, other| Interval {
             low: one.low.min(other.low),
             high: one.high.max(other.high),
         });
         if let (Measure::Counts { interval, .. }, Some(widest)) = (&mut self.measure, widest) {
             *interval = widest;
         }
-        self.completions = Some(Box::new(Completions { lowest, highest }));
-        Ok(self)
+        self.completions = Some(Box::new(Completions { ends }));
     }
 
     /// What the study made of its runs without a verdict, as the end of a sentence; empty where there are none.
@@ -175,16 +201,29 @@ mod tests {
     }
 
     #[test]
+    fn what_may_be_told_twice_counts_with_and_without() {
+        let counted = |count, trials| {
+            let sample = Sample::new(count, trials).expect("counts");
+            Measure::of_counts(sample, None, LEVEL).expect("counts")
+        };
+        let (each, once) = (finding(counted(40, 50), 2), finding(counted(10, 20), 2));
+        let both = each.clone().or_once(&once);
+        let interval = |it: &Finding| it.measure.interval().expect("an interval");
+        assert_eq!(interval(&both).low, interval(&once).low);
+        assert_eq!(interval(&both).high, interval(&each).high);
+        assert_eq!(both.completions.map(|it| it.ends.len()), Some(4));
+        // The same count twice is one.
+        assert_eq!(each.clone().or_once(&each), each);
+    }
+
+    #[test]
     fn runs_that_are_alike_get_one_more_subject() {
         let people = [[4, 5], [5, 5], [3, 5], [5, 5], [4, 5]];
         let samples = people.map(|it| Sample::new(it[0], it[1]).expect("counts"));
         let measure = Measure::of_clusters(&samples, LEVEL).expect("counts");
         let found = finding(measure.clone(), 4);
         let completions = found.completions.as_ref().expect("two ends");
-        for (end, more) in [
-            (&completions.lowest, [0, 4]),
-            (&completions.highest, [4, 4]),
-        ] {
+        for (end, more) in completions.ends.iter().zip([[0, 4], [4, 4]]) {
             let all = samples
                 .into_iter()
                 .chain([Sample::new(more[0], more[1]).expect("counts")]);

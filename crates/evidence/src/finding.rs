@@ -331,13 +331,12 @@ pub struct FormDifference {
     pub witnesses: Vec<String>,
 }
 
-/// A count with all runs that reached no verdict, each counted one way.
+/// A count as it would be with each run of which it is not known what it counts for counted one way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Completions {
-    /// As if none of them had passed, or as if the failure mode had occurred in none.
-    pub lowest: Measure,
-    /// As if all of them had passed, or as if the failure mode had occurred in all.
-    pub highest: Measure,
+    /// The ends of what it may be. First as if none of the runs without a verdict had passed (or shown the failure mode), then
+    /// as if all had; the same again without runs that may be others told twice.
+    pub ends: Vec<Measure>,
 }
 
 /// One piece of evidence about one subject.
@@ -355,8 +354,9 @@ pub struct Finding {
     pub trigger: Option<Box<Measure>>,
     /// Runs that reached no verdict (inconclusive): they ended before it, or lack a signal.
     pub undecided: u64,
-    /// Its rate with these runs counted: the two ends of what they may have been. `None` where there are none, where they are
-    /// declared to be missing at random ([`crate::Evidence::undecided_at_random`]), and where nothing is counted.
+    /// Its rate with these runs counted: the ends of what they may have been; and without runs that may be others told twice.
+    /// `None` where there are none, where they are declared to be missing at random
+    /// ([`crate::Evidence::undecided_at_random`]), and where nothing is counted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub completions: Option<Box<Completions>>,
     /// Runs that show it, for replay: episode seeds or file names, few.

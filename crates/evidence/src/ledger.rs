@@ -26,7 +26,7 @@ pub struct Calibration {
 pub struct Cost {
     /// The evidence.
     pub evidence: String,
-    /// Elapsed time in seconds.
+    /// Elapsed time in seconds; of a campaign that was interrupted and went on, of all its parts.
     pub wall_secs: f64,
     /// Seconds of simulated time, for simulations.
     pub simulated_secs: Option<f64>,

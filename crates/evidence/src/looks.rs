@@ -235,6 +235,7 @@ fn contains(later: &Sample, earlier: &Sample) -> bool {
 impl Belief {
     /// The same counts after looks at some of the trials before.
     pub(crate) fn looked_at(self, earlier: &[Option<Belief>]) -> Self {
+        let undecided = self.undecided();
         let Belief::Counts {
             sample,
             effective,
@@ -251,12 +252,12 @@ impl Belief {
                 looks.push(one);
             }
         }
-        let completions = completions.map(|ends| {
-            let of = |place: usize| {
-                let then = completed(earlier, place, &ends[place]);
-                ends[place].clone().looked_at(&then)
+        let completions = completions.map(|ends| -> Rc<[Belief]> {
+            let of = |(place, end): (usize, &Belief)| {
+                let then = completed(earlier, (place, undecided), end);
+                end.clone().looked_at(&then)
             };
-            Rc::new([of(0), of(1)])
+            ends.iter().enumerate().map(of).collect()
         });
         Belief::Counts {
             sample,
@@ -268,11 +269,13 @@ impl Belief {
     }
 }
 
-/// What was known at earlier looks if each run without a verdict counts as at one end. A run that was undecided then and has
-/// a verdict now counts as it was decided, so that later counts always contain earlier ones.
+/// What was known at earlier looks if each run without a verdict counts as at one end (its place, and how many there are now).
+///
+/// A look that tells of none, as those of older versions, is taken to have had as many as there are now. A run that was
+/// undecided then and has a verdict now counts as it was decided, so that later counts always contain earlier ones.
 pub(crate) fn completed(
     earlier: &[Option<Belief>],
-    place: usize,
+    (place, undecided): (usize, u64),
     now: &Belief,
 ) -> Vec<Option<Belief>> {
     let Belief::Counts { sample, .. } = now else {
@@ -281,9 +284,7 @@ pub(crate) fn completed(
     let mut next = *sample;
     let mut found: Vec<Option<Belief>> = Vec::new();
     for look in earlier.iter().rev() {
-        let end = look
-            .as_ref()
-            .and_then(|it| it.ends().get(place).or(it.ends().first()));
+        let end = look.as_ref().and_then(|it| it.end(place, undecided));
         let end = end.and_then(|it| it.within(&next));
         if let Some(Belief::Counts { sample, .. }) = &end {
             next = *sample;
@@ -295,6 +296,25 @@ pub(crate) fn completed(
 }
 
 impl Belief {
+    /// The end at a place; of counts that tell of no runs without a verdict, as if there had been so many.
+    fn end(&self, place: usize, undecided: u64) -> Option<Belief> {
+        let (
+            Belief::Counts {
+                sample, effective, ..
+            },
+            false,
+        ) = (self, self.has_undecided())
+        else {
+            // Of what may be told twice a look kept the counts with all.
+            return self.ends().get(place % self.ends().len()).cloned();
+        };
+        // The lowest stands at even places, the highest at odd ones.
+        let more = if place % 2 == 0 { 0 } else { undecided };
+        let trials = sample.trials.checked_add(undecided)?;
+        let worth = effective.trials * trials as f64 / sample.trials as f64;
+        Belief::of_counts(sample.successes + more, trials, Some(worth)).ok()
+    }
+
     /// The same with no more successes and failures than later counts have; `None` where nothing is left.
     fn within(&self, later: &Sample) -> Option<Belief> {
         let Belief::Counts {
@@ -329,7 +349,7 @@ impl LookedAt {
             .effective_trials
             .map(|it| it * all as f64 / self.trials as f64);
         let end = |count: u64| Belief::of_counts(count, all, worth).ok();
-        Some(belief.completed_by([end(self.count)?, end(self.count + self.undecided)?]))
+        Some(belief.completed_by(vec![end(self.count)?, end(self.count + self.undecided)?]))
     }
 }
 

@@ -133,7 +133,7 @@ fn at(study: &Study<'_>, piece: &Evidence, correlation: f64) -> Evidence {
     let level = study.levels.confidence;
     for finding in &mut changed.findings {
         let completions = finding.completions.iter_mut();
-        let ends = completions.flat_map(|it| [&mut it.lowest, &mut it.highest]);
+        let ends = completions.flat_map(|it| &mut it.ends);
         for measure in ends.chain([&mut finding.measure]) {
             if let Some(known) = measure_at(piece, measure, correlation, level) {
                 *measure = known;

@@ -82,7 +82,7 @@ pub struct Comparison {
     pub possibly_copied: bool,
     /// Whether the runs of both sides are paired: other simulators with the same seeds. Their difference is one of the
     /// simulators, and their agreement is on the same draws.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub paired: bool,
     /// Up to which intraclass correlation the outcome holds, where counts enter of which it is not known whose they are.
     #[serde(default)]

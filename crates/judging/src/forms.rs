@@ -12,5 +12,6 @@ pub mod drift;
 mod left_out;
 mod limits;
 mod path;
+mod roles;
 
 pub use path::{judged_on_paths, judged_on_traces};

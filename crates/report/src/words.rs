@@ -2,9 +2,9 @@
 //! one word, one symbol and one style, so that colour never stands alone.
 
 use evidence::{
-    AssetRole, CERTAINTY, Conclusion, Direction, ErrorFamily, Guarantee, Identification,
-    Inaccuracy, Likeness, Measure, Outcome, RegionOutcome, Requirement, Standing, Step,
-    StudyResult, Suspect, Technique, Threshold, Verdict,
+    AssetRole, CERTAINTY, Comparison, Conclusion, Direction, ErrorFamily, Guarantee,
+    Identification, Inaccuracy, Likeness, Measure, Outcome, RegionOutcome, Requirement, Standing,
+    Step, StudyResult, Suspect, Technique, Threshold, Verdict,
 };
 
 use crate::number;
@@ -234,7 +234,16 @@ pub fn not_shown_again() -> Mark {
 pub fn comparison(result: Outcome, independent: bool) -> Mark {
     let mut mark = outcome(result);
     if !independent && result == Outcome::Corroborates {
-        mark.word = "agrees, not independent".to_owned();
+        mark.word = "agrees, a fit".to_owned();
+    }
+    mark
+}
+
+/// Outcome of the comparison of a pair, whose runs may be paired.
+pub fn pair(pair: &Comparison) -> Mark {
+    let mut mark = comparison(pair.outcome, pair.independent);
+    if pair.paired && pair.outcome == Outcome::Corroborates {
+        mark.word = "agrees, paired".to_owned();
     }
     mark
 }
@@ -261,7 +270,7 @@ pub fn reading(requirement: &Requirement, measure: &Measure) -> Mark {
     match (requirement.threshold, measure) {
         (None, Measure::Counts { count, trials, .. }) if count == trials => {
             // Trials alone never show certainty, however many pass.
-            mark("✓", "no violation seen", "plain")
+            mark("?", "no violation seen", "open")
         }
         (None, Measure::Counts { count, trials, .. }) => {
             let violations = number::count(trials.saturating_sub(*count));
@@ -476,7 +485,7 @@ mod tests {
         let passed = reading(&requirement(None), &counts(93, 93, 0.96, 1.0));
         assert_eq!(
             (passed.word.as_str(), passed.tone),
-            ("no violation seen", "plain")
+            ("no violation seen", "open")
         );
     }
 

@@ -278,7 +278,7 @@ pub enum Work {
         technique: evidence::Technique,
         /// Their folder, relative to the study.
         recordings: PathBuf,
-        /// Why recordings of the same messages are trials of their own, where the study declares it; else they are one.
+        /// Why recordings of the same messages are trials of their own, where the study declares it; else they may be one.
         #[serde(skip_serializing_if = "Option::is_none")]
         repeated: Option<String>,
     },

@@ -123,6 +123,9 @@ fn counts(look: &Look) -> String {
         if let Some(effective) = one.effective_trials {
             let _ = write!(text, ", effective_trials = {effective:?}");
         }
+        if one.undecided > 0 {
+            let _ = write!(text, ", undecided = {}", one.undecided);
+        }
         if let Some(by_subject) = &one.by_subject {
             let _ = write!(text, ", by_subject = {by_subject:?}");
         }
@@ -144,7 +147,7 @@ mod tests {
             count: 88,
             trials: 100,
             effective_trials,
-            undecided: 0,
+            undecided: 7,
             by_subject: None,
         };
         let first = Look {

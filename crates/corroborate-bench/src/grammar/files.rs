@@ -385,7 +385,7 @@ fn ledger(draft: &Draft) -> String {
     if draft.sizes.recordings > 0 {
         text.push_str(
             "\n[[evidence]]\nid = \"operation\"\ntitle = \"At work\"\ntechnique = \"operation\"\nconditions = \"typical\"\n\
-             recordings = \"operation\"\nchanged = \"Recordings.\"\n",
+             recordings = \"operation\"\nrepeated_recordings = \"the machine has few ways to go\"\nchanged = \"Recordings.\"\n",
         );
     }
     text

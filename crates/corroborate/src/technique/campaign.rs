@@ -19,6 +19,7 @@ mod record;
 mod recount;
 mod table;
 mod tally;
+mod took;
 mod until;
 mod watched;
 
@@ -105,6 +106,7 @@ impl Campaigning<'_> {
             clusters: None,
             alike_trials: None,
             repeated_recordings: Vec::new(),
+            findings_once: Vec::new(),
             influences: Vec::new(),
             cost: finished.cost,
         })

@@ -149,6 +149,7 @@ impl Tables {
             clusters,
             alike_trials: None,
             repeated_recordings: Vec::new(),
+            findings_once: Vec::new(),
             influences: Vec::new(),
             cost: Cost {
                 evidence: id.to_owned(),

@@ -351,6 +351,7 @@ impl<'a> Compiled<'a> {
             clusters: None,
             alike_trials: None,
             repeated_recordings: Vec::new(),
+            findings_once: Vec::new(),
             influences,
             cost,
         })

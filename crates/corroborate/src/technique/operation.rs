@@ -34,16 +34,17 @@ const OUTSIDE: &str = "corroborate.watch.outside";
 /// The recordings of one entry, found and hashed.
 pub struct Recordings {
     rules: ReadingRules,
-    /// Those that count.
     trials: Vec<TrialPath>,
-    /// Those with the same messages as others.
-    repeated: Vec<RepeatedRecording>,
+    /// Those with the same messages as earlier ones, by their places.
+    repeated: BTreeMap<usize, RepeatedRecording>,
+    /// Whether the ledger says that these are trials of their own.
+    is_declared: bool,
     /// One for each file.
     assets: Vec<Asset>,
 }
 
 impl Recordings {
-    /// Finds the recordings of an entry. Those with the same messages are one trial unless the ledger says that they are not.
+    /// Finds the recordings of an entry.
     pub fn find(study: &Study, of: RecordingFiles<'_>) -> Result<Self, Problem> {
         let full = study.folder.join(of.folder);
         let found = recording::trials(&full)
@@ -58,13 +59,11 @@ impl Recordings {
             add_assets(&study.folder, &trial.path, &mut assets)?;
         }
         let rules = ReadingRules::of_study(&study.folder, None)?;
-        let (once, repeated) = same_messages::once(found.trials.clone(), &rules.options);
+        let repeated = same_messages::repeated(&found.trials, &rules.options);
         Ok(Self {
             rules,
-            trials: match of.repeated {
-                Some(_) => found.trials,
-                None => once,
-            },
+            trials: found.trials,
+            is_declared: of.repeated.is_some(),
             repeated,
             assets,
         })
@@ -219,6 +218,16 @@ impl Recordings {
             .collect();
         let alike_trials = sessions::alike(&recorded);
         let names: Vec<String> = self.trials.iter().map(|trial| trial.name.clone()).collect();
+        let findings_once = match self.repeated.is_empty() || self.is_declared {
+            true => Vec::new(),
+            false => {
+                let is_first = |at: &usize| !self.repeated.contains_key(at);
+                let first = (0..names.len()).filter(is_first);
+                let (judged, names): (Vec<_>, Vec<_>) =
+                    first.map(|at| (all[at].clone(), names[at].clone())).unzip();
+                simulation::findings(study, &judges, &judged, &names)?
+            }
+        };
         let produced = Produced {
             tool: Tool {
                 name: "corroborate recordings".into(),
@@ -231,7 +240,8 @@ impl Recordings {
             failures: Vec::new(),
             clusters: None,
             alike_trials,
-            repeated_recordings: self.repeated.clone(),
+            repeated_recordings: self.repeated.values().cloned().collect(),
+            findings_once,
             influences: Vec::new(),
             cost: Cost {
                 evidence: id.to_owned(),

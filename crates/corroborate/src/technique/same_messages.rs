@@ -11,7 +11,8 @@
 //! # Guarantee
 //! What is the same is found, as far as it can be read. Not found: a copy that was cut, shifted in time, or written in a
 //! format that encodes messages in another way. Two trials may have the same messages if few values were recorded; so the
-//! ledger can declare that they are trials of their own (`repeated_recordings`).
+//! ledger can declare that they are trials of their own (`repeated_recordings`); until then nothing is said that does not hold both
+//! with the copies and without them.
 
 use evidence::{CopyKind, LineageQuestion};
 use rayon::prelude::*;
@@ -29,24 +30,22 @@ pub struct RepeatedRecording {
     pub of: String,
 }
 
-/// The trials of which no earlier one has the same messages, and the others.
-pub(super) fn once(
-    trials: Vec<TrialPath>,
+/// The recordings that have the same messages as earlier ones, each with its place among the trials.
+pub(super) fn repeated(
+    trials: &[TrialPath],
     options: &OpenOptions,
-) -> (Vec<TrialPath>, Vec<RepeatedRecording>) {
-    let firsts = first_with_same(&trials, options);
-    let names: Vec<String> = trials.iter().map(|trial| trial.name.clone()).collect();
-    let (mut own, mut repeated) = (Vec::new(), Vec::new());
-    for (at, trial) in trials.into_iter().enumerate() {
-        match firsts[at] {
-            first if first == at => own.push(trial),
-            first => repeated.push(RepeatedRecording {
-                recording: trial.name,
-                of: names[first].clone(),
-            }),
-        }
-    }
-    (own, repeated)
+) -> BTreeMap<usize, RepeatedRecording> {
+    let firsts = first_with_same(trials, options).into_iter().enumerate();
+    let copies = firsts.filter(|(at, first)| at != first);
+    copies
+        .map(|(at, first)| {
+            let repeated = RepeatedRecording {
+                recording: trials[at].name.clone(),
+                of: trials[first].name.clone(),
+            };
+            (at, repeated)
+        })
+        .collect()
 }
 
 /// Of each trial the place of the first with the same messages, which may be its own.
@@ -114,8 +113,8 @@ fn hash_of_file(path: &Path) -> Option<Hash> {
     Some(*hasher.finalize().as_bytes())
 }
 
-/// The question of a piece's recordings that are copies of others: open while they count once, settled by the ledger's reason
-/// why each counts.
+/// The question of a piece's recordings that are copies of others: open while they count both ways, settled by the ledger's
+/// reason why each counts.
 pub(crate) fn question(
     id: &str,
     repeated: &[RepeatedRecording],
@@ -128,7 +127,7 @@ pub(crate) fn question(
     };
     let counted = match declared {
         Some(_) => "each counts as a trial",
-        None => "the same messages count as one trial",
+        None => "until it is settled they count once and each, and only what holds of both is said",
     };
     Some(LineageQuestion {
         with: id.to_owned(),
@@ -169,19 +168,18 @@ mod tests {
         let (folder, trials) = written(
             "copies",
             &[
-                ("a.csv", "time,x\n0,1\n1,2\n"),
-                ("b.csv", "time,x\n0,1\n1,3\n"),
-                // The same rows with another line ending and other digits.
-                ("c.csv", "time,x\r\n0,1.0\r\n1,2.0\r\n"),
-                ("d.csv", "time,x\n0,1\n1,2\n2,3\n"),
-                ("e.csv", "time,x\n5,1\n"),
+                ("a.csv", "time_secs,x\n0,1\n1,2\n"),
+                ("b.csv", "time_secs,x\n0,1\n1,3\n"),
+                // The same rows with another line ending.
+                ("c.csv", "time_secs,x\r\n0,1\r\n1,2\r\n"),
+                ("d.csv", "time_secs,x\n0,1\n1,2\n2,3\n"),
+                ("e.csv", "time_secs,x\n5,1\n"),
             ],
         );
-        let (own, repeated) = once(trials, &OpenOptions::default());
-        let names: Vec<&str> = own.iter().map(|it| it.name.as_str()).collect();
-        assert_eq!(names, ["a.csv", "b.csv", "d.csv", "e.csv"]);
+        let found = repeated(&trials, &OpenOptions::default());
+        assert_eq!(found.keys().collect::<Vec<_>>(), [&2]);
         assert_eq!(
-            repeated,
+            found.into_values().collect::<Vec<_>>(),
             [RepeatedRecording {
                 recording: "c.csv".into(),
                 of: "a.csv".into()
@@ -197,7 +195,7 @@ mod tests {
             of: "a.csv".into(),
         };
         let of = |declared| question("O1", std::slice::from_ref(&copy), declared).expect("asked");
-        assert!(of(None).is_open() && of(None).finding.contains("count as one trial"));
+        assert!(of(None).is_open() && of(None).finding.contains("count once and each"));
         let settled = of(Some("two trials"));
         assert!(!settled.is_open() && settled.finding.contains("each counts"));
         assert_eq!(question("O1", &[], None), None);

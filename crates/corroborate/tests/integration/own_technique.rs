@@ -88,6 +88,7 @@ impl<'a> Tosses<'a> {
             clusters: None,
             alike_trials: None,
             repeated_recordings: Vec::new(),
+            findings_once: Vec::new(),
             influences: Vec::new(),
             cost: Cost {
                 evidence: self.asked.entry.id.clone(),

@@ -48,9 +48,9 @@ pub(crate) enum Belief {
         clusters: Option<Rc<ByCluster>>,
         /// The counts at looks before this one, where trials may be added; `None` if this is the only look.
         before: Option<Rc<[CountsAtLook]>>,
-        /// The same counts with the runs that reached no verdict, as if none of them counted and as if all did; `None` where
-        /// each run has a verdict. The two have none themselves.
-        completions: Option<Rc<[Belief; 2]>>,
+        /// The same counts with the runs that reached no verdict, as if none of them counted and as if all did; and without runs
+        /// that may be others told twice. `None` where each run counts for itself. They have none themselves.
+        completions: Option<Rc<[Belief]>>,
     },
     /// A computed probability, between these bounds.
     Known {
@@ -85,16 +85,16 @@ impl Belief {
     pub fn of_finding(finding: &Finding) -> Result<Self, String> {
         let belief = Self::of(&finding.measure)?;
         match finding.completions.as_deref() {
-            Some(Completions { lowest, highest }) => {
-                let ends = [Self::of(lowest)?, Self::of(highest)?];
-                Ok(belief.completed_by(ends))
+            Some(Completions { ends }) => {
+                let ends: Result<Vec<Self>, String> = ends.iter().map(Self::of).collect();
+                Ok(belief.completed_by(ends?))
             }
             None => Ok(belief),
         }
     }
 
-    /// The same counts, of which some more runs are these at the least and at the most.
-    pub fn completed_by(self, ends: [Self; 2]) -> Self {
+    /// The same counts, which may be any of these.
+    pub fn completed_by(self, ends: Vec<Self>) -> Self {
         match self {
             Self::Counts {
                 sample,
@@ -107,25 +107,25 @@ impl Belief {
                 effective,
                 clusters,
                 before,
-                completions: Some(Rc::new(ends)),
+                completions: Some(ends.into()),
             },
             other => other,
         }
     }
 
-    /// What is known if each run without a verdict counts one way: two beliefs, or this one where each run has a verdict.
-    /// What holds of all of them holds whatever these runs would have shown.
+    /// What is known if each run without a verdict counts one way, and runs that may be told twice count or do not; this belief
+    /// where there are none. What holds of all of them holds whatever these runs are.
     pub fn ends(&self) -> &[Self] {
         match self {
             Self::Counts {
                 completions: Some(ends),
                 ..
-            } => ends.as_slice(),
+            } => ends,
             other => std::slice::from_ref(other),
         }
     }
 
-    /// Whether runs without a verdict count both ways.
+    /// Whether runs without a verdict, or such as may be told twice, count both ways.
     pub fn has_undecided(&self) -> bool {
         self.ends().len() > 1
     }
@@ -133,11 +133,17 @@ impl Belief {
     /// How many runs without a verdict count both ways.
     pub fn undecided(&self) -> u64 {
         match (self, self.ends()) {
-            (Self::Counts { sample, .. }, [Self::Counts { sample: all, .. }, _]) => {
+            (Self::Counts { sample, .. }, [Self::Counts { sample: all, .. }, ..]) => {
                 all.trials.saturating_sub(sample.trials)
             }
             _ => 0,
         }
+    }
+
+    /// Whether some of its runs may be others told twice, which count and do not count.
+    pub fn may_be_told_twice(&self) -> bool {
+        let of_undecided = if self.undecided() > 0 { 2 } else { 1 };
+        self.ends().len() > of_undecided
     }
 
     /// What a measure says of its rate, or in words why it says nothing.

@@ -277,14 +277,8 @@ fn plans(
     let (first, second) = (piece(&comparison.left)?, piece(&comparison.right)?);
     let sides = ((first, belief(first)?), (second, belief(second)?));
     // What a plan promises would rest on runs of which nobody knows what they showed.
-    let undecided = sides.0.1.undecided() + sides.1.1.undecided();
-    if undecided > 0 {
-        comparison.reason += &format!(
-            " {} without a verdict {} both ways here: what these would have shown has to be found out before further trials \
-             are planned.",
-            counted_runs(undecided),
-            if undecided == 1 { "counts" } else { "count" }
-        );
+    if let Some(why) = not_planned([&sides.0.1, &sides.1.1]) {
+        comparison.reason += &format!(" {why}");
         return None;
     }
     let pair = paired(study, &comparison.subject, comparison.margin, sides);
@@ -343,12 +337,20 @@ fn runs_per_trial(piece: &Evidence, subject: &Subject) -> f64 {
     }
 }
 
-/// `1 run` or `3 runs`.
-fn counted_runs(count: u64) -> String {
-    match count {
-        1 => "1 run".to_owned(),
-        many => format!("{many} runs"),
-    }
+/// Why no trials are planned for counts that may be several; `None` where each run counts for itself.
+fn not_planned(sides: [&Belief; 2]) -> Option<String> {
+    let undecided: u64 = sides.iter().map(|it| it.undecided()).sum();
+    let what = match undecided {
+        0 if sides.iter().any(|it| it.has_undecided()) => {
+            "Recordings with the same messages count once and each"
+        }
+        0 => return None,
+        1 => "1 run without a verdict counts both ways",
+        many => &format!("{many} runs without a verdict count both ways"),
+    };
+    Some(format!(
+        "{what} here: what is right has to be found out before further trials are planned."
+    ))
 }
 
 /// Says of an undecided pair how many trials of each side alone would decide it, and what is cheapest.

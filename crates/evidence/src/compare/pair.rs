@@ -77,11 +77,12 @@ impl Pair {
     /// The same after looks at some of the same trials, to be looked at again with more.
     pub fn looked_at(mut self, before: Before) -> Self {
         let seconds = self.second.ends().len();
+        let undecided = [self.first.undecided(), self.second.undecided()];
         let ends = std::mem::take(&mut self.ends).into_iter().enumerate();
         let looked_at = |(place, end): (usize, Self)| {
             let then = [
-                completed(&before[0], place / seconds, &end.first),
-                completed(&before[1], place % seconds, &end.second),
+                completed(&before[0], (place / seconds, undecided[0]), &end.first),
+                completed(&before[1], (place % seconds, undecided[1]), &end.second),
             ];
             end.looked_at(then)
         };

@@ -309,7 +309,7 @@ fn chosen<'a>(
                 "is of one person or session alone"
             }
             Some(_) if are_several && piece.belief.has_undecided() => {
-                "has runs without a verdict, which count both ways"
+                "has runs that count both ways (without a verdict, or told twice)"
             }
             Some(_) if !same_runs.contains(&id.as_str()) => "is over other runs",
             Some(_) if !free.contains(&index) => "rests on the counts of a piece that is combined",

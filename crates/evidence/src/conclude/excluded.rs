@@ -87,7 +87,7 @@ fn undecided_in_words(piece: &Evidence, finding: &Finding) -> String {
 }
 
 /// Trials that earlier looks saw and the present counts do not contain: of several sequences the last is judged, and no error
-/// rate holds for a sequence that was chosen for its outcome.
+/// rate holds for a sequence, or a requirement, that was chosen for its outcome. Counts do not tell which of both it was.
 fn replaced_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<ExcludedTrials> {
     let Some(looks) = study.looks else {
         return Vec::new();
@@ -102,8 +102,8 @@ fn replaced_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<ExcludedTrials> 
                 evidence: piece.evidence.id.clone(),
                 trials,
                 words: format!(
-                    "{}: {} at earlier looks, which the present counts do not contain; were trials replaced for their \
-                     outcome, no error rate holds.",
+                    "{}: {} at earlier looks, which the present counts do not contain: trials were replaced, or they are judged \
+                     otherwise now. If either was done for the outcome, no error rate holds.",
                     piece.evidence.id,
                     list(&counts)
                 ),

@@ -127,6 +127,11 @@ fn why_not_planned(
             "All trials of {} are of one person or session; more of the same one decide nothing of others.",
             piece.evidence.id
         ),
+        Some(piece) if piece.belief.has_undecided() && piece.belief.undecided() == 0 => format!(
+            "Recordings of {} with the same messages count once and each: which is right has to be found out before further trials \
+             are planned.",
+            piece.evidence.id
+        ),
         Some(piece) if piece.belief.has_undecided() => format!(
             "{} of {} reached no verdict and count both ways: what they would have shown has to be found out before further trials \
              are planned. Or declare in ledger.toml why they are missing at random: `undecided_at_random = \"reason\"`.",

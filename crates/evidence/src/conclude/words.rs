@@ -66,6 +66,15 @@ pub(super) fn piece(
                     hypothesis(threshold, !leans_to_met)
                 );
             }
+            if is_none(limits, threshold, leans_to_met) {
+                return format!(
+                    "{id}: {counts}, so few that they show no limit of the rate on this side at {}{at} (p {} against \
+                     {}){contradicted}",
+                    percent(1.0 - level),
+                    p_value(p),
+                    hypothesis(threshold, !leans_to_met),
+                );
+            }
             format!(
                 "{id}: {counts}, {} (one-sided {} limit{at}, p {} against {}){contradicted}",
                 limit(limits, threshold, leans_to_met),
@@ -122,11 +131,15 @@ pub(super) fn piece(
     }
 }
 
-/// How many runs without a verdict count both ways, behind a count.
+/// Which runs count both ways, behind a count.
 fn counted_both_ways(belief: &Belief) -> String {
-    match belief.undecided() {
+    let undecided = match belief.undecided() {
         0 => String::new(),
         many => format!(" and {many} undecided, counted against and for"),
+    };
+    match belief.may_be_told_twice() {
+        true => format!("{undecided} (copies counted once and each)"),
+        false => undecided,
     }
 }
 
@@ -180,6 +193,14 @@ fn limit(limits: Interval, threshold: Threshold, leans_to_met: bool) -> String {
     match is_lower {
         true => format!("rate >= {}", lower(limits.low, threshold.value)),
         false => format!("rate <= {}", upper(limits.high, threshold.value)),
+    }
+}
+
+/// Whether the limit toward which a piece leans is none: every rate is at least 0 and at most 1.
+fn is_none(limits: Interval, threshold: Threshold, leans_to_met: bool) -> bool {
+    match (threshold.direction == Direction::AtLeast) == leans_to_met {
+        true => limits.low <= 0.0,
+        false => limits.high >= 1.0,
     }
 }
 

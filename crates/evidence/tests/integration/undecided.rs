@@ -202,6 +202,23 @@ fn looks_count_undecided_runs_both_ways() {
     assert!(comparison(&ledger, Some(&before)).p_equivalence.is_some());
 }
 
+/// What looked satisfied while undecided runs were left out is not satisfied by that earlier look: a look of an older version
+/// tells of none.
+#[test]
+fn an_early_look_that_tells_of_no_undecided_runs_shows_nothing_by_itself() {
+    let before = Looks {
+        looks: vec![Look::of(&[open("O", (60, 60), 0)])],
+    };
+    for (now, undecided) in [((60, 60), 20), ((61, 62), 20)] {
+        let found = verdict(&[open("O", now, undecided)], 0.9, Some(&before));
+        assert_eq!(found.verdict, Verdict::Undecided, "{found:?}");
+        assert!(found.standings[0].p_not_met > 0.5, "{found:?}");
+    }
+    // And it shows what it shows where there are none.
+    let found = verdict(&[open("O", (61, 62), 0)], 0.9, Some(&before));
+    assert_eq!(found.verdict, Verdict::Satisfied, "{found:?}");
+}
+
 /// Trials are not planned on runs of which nobody knows what they showed, and these are not pooled.
 #[test]
 fn plans_and_pools_leave_them_out() {

@@ -6,8 +6,10 @@
 //!   requirement limits something else, of its dimension; or of a dimension of
 //!   which the requirement's sentence has none,
 //! * a limit that itself counts to the other side (`<` for `<=`),
+//! * a duration that says something else of what it limits (not before 3 s, or for 3 s, in place of within 3 s), or that adds
+//!   up with an equal one that it stands behind (`roles`),
 //! * a limit of the sentence that is left out (`left_out`); without a sentence, a time limit that one of property and monitor
-//!   has, where the other has none at all,
+//!   has, where the other has none at all or another one,
 //! * a number without a unit that is compared with what the requirement
 //!   limits, and that is not the limit in any unit in which that is known,
 //! * coordinates compared one by one (a box) where the requirement compares a
@@ -29,6 +31,7 @@
 use super::counterpart::{agree, in_words, is_of_same, is_same_limit, same_signals};
 use super::left_out;
 use super::limits::{Compared, Limit, of_judging, of_property, of_sentence, secs_of};
+use super::roles::Role;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -148,6 +151,9 @@ fn of_requirement(study: &Study, form: &SubjectForm) -> Found {
     };
     if form.sentence.is_none() {
         finder.one_sided(left_out::between(study, form));
+        for it in left_out::other_durations(study, form) {
+            finder.add(it.form, DriftKind::Limit, it.found, it.declared);
+        }
     }
     if finder.declared.limits.is_empty() && form.sentence.is_none() {
         return finder.found;
@@ -209,6 +215,9 @@ impl Declared {
                     proposition: None,
                     awaited: None,
                     boundary: None,
+                    role: Role::Unknown,
+                    behind: 0,
+                    twin: None,
                 });
             }
         }
@@ -313,13 +322,11 @@ impl Finder<'_> {
     fn limits(&mut self, form: &str, limits: &[Limit]) {
         for limit in limits {
             let counterparts = self.counterparts(limit);
-            let same: Vec<&Limit> = counterparts
-                .iter()
-                .copied()
-                .filter(|o| is_same_limit(o, limit))
-                .collect();
+            let (same, limit) = same_or_twin(&counterparts, limit);
             if !same.is_empty() {
                 let drift = boundary_drift(&same, limit);
+                let drift = drift.or_else(|| role_drift(&same, limit, limits));
+                let drift = drift.or_else(|| behind_drift(&same, limit));
                 let hint = unit_hint(&same, limit);
                 for (kind, found, declared) in drift.into_iter().chain(hint) {
                     self.add(form, kind, found, declared);
@@ -445,6 +452,52 @@ impl Finder<'_> {
         let declared: Vec<String> = declared.into_iter().collect();
         Some((kind, format!("`{}`", found.quantity), declared.join(", ")))
     }
+}
+
+/// The declared limits that a limit is, as it is written or otherwise; and how it then reads.
+fn same_or_twin<'l>(declared: &[&'l Limit], limit: &'l Limit) -> (Vec<&'l Limit>, &'l Limit) {
+    let of = |one: &'l Limit| -> Vec<&'l Limit> {
+        let all = declared.iter().copied();
+        all.filter(|other| is_same_limit(other, one)).collect()
+    };
+    let own = of(limit);
+    match limit.twin.as_deref() {
+        Some(twin) if own.is_empty() || boundary_drift(&own, limit).is_some() => {
+            let others = of(twin);
+            match others.is_empty() {
+                true => (own, limit),
+                false => (others, twin),
+            }
+        }
+        _ => (own, limit),
+    }
+}
+
+/// That a duration of the declared size says something else of what it limits: not before 3 s, for within 3 s.
+fn role_drift(
+    same: &[&Limit],
+    limit: &Limit,
+    all: &[Limit],
+) -> Option<(DriftKind, String, String)> {
+    let with_twins = all.iter().flat_map(|it| [Some(it), it.twin.as_deref()]);
+    let of_size = with_twins
+        .flatten()
+        .filter(|it| it.is_duration() && is_same_limit(it, limit));
+    let roles: Vec<Role> = of_size.map(|it| it.role).collect();
+    if same.iter().any(|it| it.role.is_said_by(limit.role, &roles)) {
+        return None;
+    }
+    let words = |it: &Limit| format!("{}{}", it.role.words(), in_words(it));
+    Some((DriftKind::Limit, words(limit), words(same.first()?)))
+}
+
+/// That a duration stands behind as many equal ones as are declared, or more: they add up.
+fn behind_drift(same: &[&Limit], limit: &Limit) -> Option<(DriftKind, String, String)> {
+    let first = same.first()?;
+    (limit.is_duration() && limit.behind >= same.len()).then(|| {
+        let found = format!("{} behind another {}", in_words(limit), in_words(limit));
+        (DriftKind::Limit, found, in_words(first))
+    })
 }
 
 /// That the limit itself counts to another side than it does in each of the

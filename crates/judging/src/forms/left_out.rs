@@ -12,10 +12,12 @@
 //! cannot be held against seconds. A property that has none at all has left out
 //! the sentence's nevertheless: it says less, at any duration of a step.
 //! Without a sentence, property and monitor are held against each other: which
-//! of both is meant is not known, so the one without a limit is named.
+//! of both is meant is not known, so the one without a limit is named; or the
+//! property, where both have limits of time and it has others.
 
-use super::counterpart::{is_of_same, is_same_limit, same_signals};
+use super::counterpart::{in_words, is_of_same, is_same_limit, same_signals};
 use super::limits::{self, Limit, counts_samples, of_proposition, of_sentence};
+use super::roles::Role;
 use prism_lang::ast::ExprKind;
 use requirement_lang::expression::Expression;
 use study::{JudgingForm, Rule, SentenceForm, Study, SubjectForm, quoted_names};
@@ -156,6 +158,47 @@ pub fn between(study: &Study, form: &SubjectForm) -> Vec<OneSided> {
         }],
         _ => Vec::new(),
     }
+}
+
+/// The durations of a property that its monitor has not, where there is no sentence and both speak of the same.
+pub fn other_durations(study: &Study, form: &SubjectForm) -> Vec<OneSided> {
+    let (Some(property), Some(monitor)) = (&form.property, &form.monitor) else {
+        return Vec::new();
+    };
+    let (names, waits_in_samples) = spoken_of(monitor);
+    let labels = quoted_names(&property.text);
+    let is_label = |name: &&str| labels.iter().any(|(label, _)| label == name);
+    let is_read = study.about.model.step_secs().is_some()
+        && !waits_in_samples
+        && !limits::has_other_bounds(&property.text);
+    if !is_read || !names_only(&property.text, &names) || !names.iter().all(is_label) {
+        return Vec::new();
+    }
+    let durations = |mut all: Vec<Limit>| {
+        all.retain(Limit::is_duration);
+        all
+    };
+    let ours = durations(limits::of_property(study, &property.text));
+    let theirs = durations(limits::of_judging(study, monitor));
+    let is_there = |limit: &Limit| {
+        let of_size = theirs.iter().filter(|it| is_same_limit(it, limit));
+        let roles: Vec<Role> = of_size.map(|it| it.role).collect();
+        roles
+            .iter()
+            .any(|it| it.is_said_by(limit.role, &[limit.role]))
+    };
+    let words = |it: &Limit| format!("{}{}", it.role.words(), in_words(it));
+    let all: Vec<String> = theirs.iter().map(words).collect();
+    // Which of both is meant is not known; without any, it is left out.
+    let other = ours
+        .iter()
+        .filter(|limit| !all.is_empty() && !is_there(limit));
+    let found = other.map(|limit| OneSided {
+        form: "property",
+        found: words(limit),
+        declared: format!("{} in its monitor", all.join(", ")),
+    });
+    found.collect()
 }
 
 /// That a property has none of the durations of its monitor.

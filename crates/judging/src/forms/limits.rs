@@ -2,7 +2,8 @@
 //! with a constant, with units.
 
 use super::path::{number_of, steps_of};
-use prism_lang::ast::{BinaryOp, Expr, ExprKind};
+use super::roles::{Role, Standing};
+use prism_lang::ast::{BinaryOp, Comparison, Expr, ExprKind, StepBound, TemporalOp, UnaryOp};
 use requirement_lang::expression::Expression;
 use requirement_lang::sentence::{Amount, Timing};
 use study::{JudgingForm, Rule, SentenceForm, Study, is_name, quoted_names};
@@ -33,6 +34,12 @@ pub struct Limit {
     pub awaited: Option<String>,
     /// To which side the limit itself belongs, and the comparison that says so.
     pub boundary: Option<Boundary>,
+    /// Of a duration: what it says of what it limits.
+    pub role: Role,
+    /// Of a duration: how many equal ones in the same role it stands behind, so that they add up.
+    pub behind: usize,
+    /// The same written otherwise: of whole numbers, `x < 31` is `x <= 30`.
+    pub twin: Option<Box<Limit>>,
 }
 
 /// To which side of a limit the limit itself belongs: `x < c` and its negation
@@ -93,6 +100,7 @@ pub fn of_sentence(study: &Study, sentence: &SentenceForm) -> Vec<Limit> {
                     _ => None,
                 },
                 boundary: matches!(stage.timing, Timing::Within(_)).then_some(within),
+                role: role_of(&stage.timing),
                 ..duration_limit(secs, duration.text.clone())
             });
         }
@@ -101,6 +109,22 @@ pub fn of_sentence(study: &Study, sentence: &SentenceForm) -> Vec<Limit> {
         limits.extend(of_proposition(study, text));
     }
     limits
+}
+
+/// What the duration of a stage says.
+fn role_of(timing: &Timing) -> Role {
+    match timing {
+        Timing::Within(_) => Role::Latest,
+        Timing::For(_) => Role::Lasting,
+        Timing::After(_) => Role::Earliest,
+        Timing::Immediately
+        | Timing::Next
+        | Timing::Eventually
+        | Timing::Always
+        | Timing::Never
+        | Timing::Until(_)
+        | Timing::Before(_) => Role::Unknown,
+    }
 }
 
 /// A duration in seconds; steps have the declared duration of the models'.
@@ -116,7 +140,13 @@ pub fn secs_of(study: &Study, amount: Amount) -> Option<f64> {
 pub fn of_judging(study: &Study, form: &JudgingForm) -> Vec<Limit> {
     match &form.rule {
         Rule::Staged(spec) => {
-            let mut limits: Vec<Limit> = spec.then.iter().filter_map(deadline).collect();
+            let mut standing = Standing::default();
+            let mut limits: Vec<Limit> = Vec::new();
+            for mut limit in spec.then.iter().filter_map(deadline) {
+                limit.behind = standing.count(limit.role, limit.si_value);
+                standing.is_behind(limit.role, limit.si_value);
+                limits.push(limit);
+            }
             for name in spec.propositions() {
                 limits.extend(of_proposition(study, name));
             }
@@ -124,7 +154,8 @@ pub fn of_judging(study: &Study, form: &JudgingForm) -> Vec<Limit> {
         }
         Rule::Formula(rule) => {
             let mut limits = Vec::new();
-            durations(&rule.parsed, &rule.parsed.formula, &mut limits);
+            let parsed = &rule.parsed;
+            durations(parsed, &parsed.formula, &Standing::default(), &mut limits);
             for atom in &rule.parsed.atoms {
                 limits.extend(of_proposition(study, &atom.text));
             }
@@ -137,7 +168,7 @@ pub fn of_judging(study: &Study, form: &JudgingForm) -> Vec<Limit> {
 pub fn of_property(study: &Study, text: &str) -> Vec<Limit> {
     let mut limits = Vec::new();
     for property in prism_lang::parse_properties(text).tree.properties {
-        step_bounds(study, &property.formula, &mut limits);
+        step_bounds(study, &property.formula, &Standing::default(), &mut limits);
     }
     for (name, _) in quoted_names(text) {
         let proposition = study.vocabulary.propositions.get(&name);
@@ -162,6 +193,9 @@ fn duration_limit(secs: f64, text: String) -> Limit {
         proposition: None,
         awaited: None,
         boundary: None,
+        role: Role::Unknown,
+        behind: 0,
+        twin: None,
     }
 }
 
@@ -179,25 +213,56 @@ fn deadline(stage: &Stage) -> Option<Limit> {
     let secs = secs?;
     Some(Limit {
         awaited: Some(awaited.clone()),
+        role: Role::Latest,
         ..duration_limit(secs, format!("{secs} s"))
     })
 }
 
 /// The ends of all intervals but 0, which limits nothing.
-fn durations(parsed: &Parsed, formula: &Formula, limits: &mut Vec<Limit>) {
+fn durations(parsed: &Parsed, formula: &Formula, standing: &Standing, limits: &mut Vec<Limit>) {
+    let mut inner = standing.clone();
     if let Some(interval) = formula.interval() {
-        let ends = [Some(interval.low), interval.high];
-        for bound in ends.into_iter().flatten() {
-            if bound.unit == TimeUnit::Seconds && bound.value > 0.0 {
-                limits.push(Limit {
-                    awaited: awaited(parsed, formula),
-                    ..duration_limit(bound.value, format!("{} s", bound.value))
-                });
+        let [low, high] = roles(formula);
+        let ends = [(Some(interval.low), low), (interval.high, high)];
+        for (bound, plain) in ends {
+            let secs = bound.filter(|it| it.unit == TimeUnit::Seconds && it.value > 0.0);
+            let Some(secs) = secs.map(|it| it.value) else {
+                continue;
+            };
+            let role = standing.role(plain);
+            inner.is_behind(role, secs);
+            limits.push(Limit {
+                awaited: awaited(parsed, formula),
+                role,
+                behind: standing.count(role, secs),
+                ..duration_limit(secs, format!("{secs} s"))
+            });
+        }
+    }
+    match formula {
+        Formula::Not(operand) => durations(parsed, operand, &inner.negated(), limits),
+        Formula::Implies(left, right) => {
+            durations(parsed, left, &inner.negated(), limits);
+            durations(parsed, right, &inner, limits);
+        }
+        Formula::Iff(left, right) => {
+            durations(parsed, left, &inner.either(), limits);
+            durations(parsed, right, &inner.either(), limits);
+        }
+        other => {
+            for operand in other.operands() {
+                durations(parsed, operand, &inner, limits);
             }
         }
     }
-    for operand in formula.operands() {
-        durations(parsed, operand, limits);
+}
+
+/// What the ends of a formula's window say where nothing is negated.
+fn roles(formula: &Formula) -> [Role; 2] {
+    match formula {
+        Formula::Eventually(..) | Formula::Until(..) => [Role::Earliest, Role::Latest],
+        Formula::Always(..) => [Role::From, Role::Lasting],
+        _ => [Role::Unknown; 2],
     }
 }
 
@@ -234,6 +299,9 @@ pub fn of_proposition(study: &Study, text: &str) -> Vec<Limit> {
             let (quantity, operator) = (&comparison.quantity, comparison.operator);
             let written = format!("{quantity} {operator} {}", threshold.text);
             Limit {
+                role: Role::Unknown,
+                behind: 0,
+                twin: None,
                 boundary: Boundary::of(operator, written),
                 awaited: None,
                 si_value: threshold.si_value.unwrap_or(threshold.number),
@@ -277,22 +345,83 @@ pub(super) fn any_part(text: &str, holds: fn(&ExprKind) -> bool) -> bool {
     properties.any(|property| any(&property.formula, holds))
 }
 
-fn step_bounds(study: &Study, expr: &Expr, limits: &mut Vec<Limit>) {
+fn step_bounds(study: &Study, expr: &Expr, standing: &Standing, limits: &mut Vec<Limit>) {
+    let mut inner = standing.clone();
     if let ExprKind::Temporal {
-        bound: Some(bound), ..
+        operator,
+        bound: Some(bound),
+        right,
+        ..
     } = &expr.kind
         && let Some(step_secs) = study.about.model.step_secs()
         && let Some((low, high)) = steps_of(bound)
     {
-        for steps in [Some(low), high].into_iter().flatten() {
-            if steps > 0.0 {
-                let text = format!("{steps} steps");
-                limits.push(duration_limit(steps * step_secs, text));
+        let [of_low, of_high] = roles_of(*operator);
+        for (steps, plain) in [(Some(low), of_low), (high, of_high)] {
+            let Some(steps) = steps.filter(|steps| *steps > 0.0) else {
+                continue;
+            };
+            let (role, secs) = (standing.role(plain), steps * step_secs);
+            inner.is_behind(role, secs);
+            let limit = |secs: f64, steps: f64| Limit {
+                awaited: match &right.kind {
+                    ExprKind::Label(name) => Some(name.clone()),
+                    _ => None,
+                },
+                role,
+                ..duration_limit(secs, format!("{steps} steps"))
+            };
+            // What lasts through all steps before k lasts until k.
+            let until = excluded_end(bound).filter(|_| role == Role::Lasting);
+            limits.push(Limit {
+                behind: standing.count(role, secs),
+                twin: until.map(|end| Box::new(limit(end * step_secs, end))),
+                ..limit(secs, steps)
+            });
+        }
+    }
+    match &expr.kind {
+        ExprKind::Unary(UnaryOp::Not, operand) => {
+            step_bounds(study, operand, &inner.negated(), limits);
+        }
+        ExprKind::Binary(BinaryOp::Implies, left, right) => {
+            step_bounds(study, left, &inner.negated(), limits);
+            step_bounds(study, right, &inner, limits);
+        }
+        ExprKind::Binary(BinaryOp::Iff, ..)
+        | ExprKind::IfThenElse(..)
+        | ExprKind::Probability { bound: Some(_), .. } => {
+            for operand in operands(expr) {
+                step_bounds(study, operand, &inner.either(), limits);
+            }
+        }
+        _ => {
+            for operand in operands(expr) {
+                step_bounds(study, operand, &inner, limits);
             }
         }
     }
-    for operand in operands(expr) {
-        step_bounds(study, operand, limits);
+}
+
+/// What the ends of an operator's window say where nothing is negated.
+fn roles_of(operator: TemporalOp) -> [Role; 2] {
+    match operator {
+        TemporalOp::Finally | TemporalOp::Until => [Role::Earliest, Role::Latest],
+        TemporalOp::Globally => [Role::From, Role::Lasting],
+        TemporalOp::WeakUntil | TemporalOp::Release | TemporalOp::Next => [Role::Unknown; 2],
+    }
+}
+
+/// The end of a bound that leaves it out.
+fn excluded_end(bound: &StepBound) -> Option<f64> {
+    match bound {
+        StepBound::Compare(Comparison::Less, expr) => number_of(expr),
+        StepBound::Compare(
+            Comparison::LessEqual | Comparison::GreaterEqual | Comparison::Greater,
+            _,
+        )
+        | StepBound::Exactly(_)
+        | StepBound::Between(..) => None,
     }
 }
 
@@ -311,17 +440,20 @@ fn of_variables(study: &Study, expr: &Expr, name: &str, limits: &mut Vec<Limit>)
             if let ExprKind::Name(variable) = &variable.kind
                 && let Some(number) = number_of(number)
                 && let Some(unit) = study.about.model.unit_of(variable)
+                // That a time is above 0 limits nothing, as in windows.
+                && !(unit.dimension() == Dimension::TIME && number <= 0.0)
             {
-                limits.push(Limit {
+                let limit = |number: f64, operator: ComparisonOperator| Limit {
                     boundary: Boundary::of(operator, format!("{variable} {operator} {number}")),
-                    awaited: None,
-                    text: format!("{variable} {number}"),
-                    si_value: number * unit.si_value(),
+                    proposition: Some(name.to_owned()),
                     number,
                     dimension: Some(unit.dimension()),
-                    parameter: None,
-                    compared: None,
-                    proposition: Some(name.to_owned()),
+                    ..duration_limit(number * unit.si_value(), format!("{variable} {number}"))
+                };
+                let twin = otherwise(operator, number);
+                limits.push(Limit {
+                    twin: twin.map(|(operator, number)| Box::new(limit(number, operator))),
+                    ..limit(number, operator)
                 });
             }
         }
@@ -329,6 +461,21 @@ fn of_variables(study: &Study, expr: &Expr, name: &str, limits: &mut Vec<Limit>)
     for operand in operands(expr) {
         of_variables(study, operand, name, limits);
     }
+}
+
+/// A comparison of a variable, which counts, written with the whole number beside: `x < 31` is `x <= 30`.
+fn otherwise(operator: ComparisonOperator, number: f64) -> Option<(ComparisonOperator, f64)> {
+    use ComparisonOperator::{Equal, Greater, GreaterEqual, Less, LessEqual, NotEqual};
+    if number.fract() != 0.0 {
+        return None;
+    }
+    Some(match operator {
+        Less => (LessEqual, number - 1.0),
+        LessEqual => (Less, number + 1.0),
+        Greater => (GreaterEqual, number + 1.0),
+        GreaterEqual => (Greater, number - 1.0),
+        Equal | NotEqual => return None,
+    })
 }
 
 fn comparison_of(operator: BinaryOp) -> ComparisonOperator {

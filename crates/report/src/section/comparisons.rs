@@ -140,7 +140,7 @@ fn heat_cell(pairs: &[&Comparison], a: &str, b: &str) -> Markup {
         @match pair {
             None => td {},
             Some(pair) => {
-                @let mark = words::comparison(pair.outcome, pair.independent);
+                @let mark = words::pair(pair);
                 @let fit = if pair.independent { "" } else { " fit" };
                 td class={ (mark.tone) (fit) } title={ (pair.left) ", " (pair.right) ": " (mark.word) } {
                     span aria-hidden="true" { (mark.symbol) }
@@ -217,7 +217,7 @@ fn pair_row(view: View, axis: &Axis, pair: &Comparison) -> Markup {
         tr data-outcome=(slug(pair.outcome)) {
             th scope="row" { (view.link(&pair.left)) " → " (view.link(&pair.right)) }
             td data-label="Outcome" {
-                (chip(&words::comparison(pair.outcome, pair.independent)))
+                (chip(&words::pair(pair)))
                 @if let Some(relation) = pair.relation { " " span class="small" { (relation.words()) } " " }
                 @if !pair.independent && pair.outcome != Outcome::Corroborates {
                     span class="small" { "not independent" }

@@ -128,7 +128,8 @@ pub(super) struct EntryText {
     /// A folder of recordings that are judged by the study's monitors. Experiments and operation.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) recordings: Option<Spanned<PathBuf>>,
-    /// Why recordings of the same messages are trials of their own; without it each counts once, whatever the files are called.
+    /// Why recordings of the same messages are trials of their own. Without it only what holds with all of them and with one of each
+    /// is said.
     #[schemars(with = "Option<String>")]
     pub(super) repeated_recordings: Option<Spanned<String>>,
     /// The name of a technique that is not built in, which whoever runs the study brings; `technique` says as whose evidence

@@ -1,10 +1,11 @@
 //! A rate that a requirement's text states in words, held against the threshold that is declared.
 //!
 //! # Definition
-//! A text states a rate where it has one percentage alone, with a comparison right before it ("at least", "no more than", ...)
-//! and "of" with what is counted right after it ("of attempts", "of all journeys"). Any other number may be something else: a
+//! A text states a rate where it has one percentage alone, with a comparison right before it ("at least", "no more than",
+//! ">=", ...) or right after it ("or more"), and "of" with what is counted behind that ("of attempts", "of all journeys"). "100 %
+//! of" and "0 % of" need no comparison. Any other number may be something else: a
 //! charge, a speed, a share of a time; nothing is said of it. A rate and its complement ask for the same: "at most 5 % of runs
-//! fail" and a threshold of at least 0.95.
+//! fail" and a threshold of at least 0.95; and so do "at least 100 %" and no threshold, which asks it of every run.
 
 use diagnostic::{Problem, Source};
 use evidence::{Direction, Threshold};
@@ -15,7 +16,7 @@ use toml::Spanned;
 const SAME: f64 = 1e-9;
 
 /// Words before a percentage, and what they ask for. Longer ones before those that end alike.
-const COMPARISONS: [(&str, Direction); 10] = [
+const COMPARISONS: [(&str, Direction); 18] = [
     ("no more than", Direction::AtMost),
     ("not more than", Direction::AtMost),
     ("no less than", Direction::AtLeast),
@@ -26,7 +27,30 @@ const COMPARISONS: [(&str, Direction); 10] = [
     ("more than", Direction::AtLeast),
     ("less than", Direction::AtMost),
     ("fewer than", Direction::AtMost),
+    ("a minimum of", Direction::AtLeast),
+    ("a maximum of", Direction::AtMost),
+    ("up to", Direction::AtMost),
+    (">=", Direction::AtLeast),
+    ("<=", Direction::AtMost),
+    ("≥", Direction::AtLeast),
+    ("≤", Direction::AtMost),
+    ("minimum of", Direction::AtLeast),
 ];
+
+/// Words right behind a percentage, and what they ask for.
+const AFTER: [(&str, Direction); 5] = [
+    ("or more", Direction::AtLeast),
+    ("or higher", Direction::AtLeast),
+    ("or less", Direction::AtMost),
+    ("or fewer", Direction::AtMost),
+    ("or lower", Direction::AtMost),
+];
+
+/// What a requirement without a threshold asks for.
+const CERTAINTY: Threshold = Threshold {
+    direction: Direction::AtLeast,
+    value: 1.0,
+};
 
 /// Words between "of" and what is counted.
 const ARTICLES: [&str; 4] = ["the", "all", "its", "their"];
@@ -45,7 +69,7 @@ pub(super) fn other_rate(
     threshold: Option<Threshold>,
 ) -> Option<Problem> {
     let stated = stated(text.get_ref())?;
-    if threshold.is_some_and(|asked| is_same(stated.threshold, asked)) {
+    if is_same(stated.threshold, threshold.unwrap_or(CERTAINTY)) {
         return None;
     }
     let asked = match threshold {
@@ -112,8 +136,12 @@ fn stated(text: &str) -> Option<Stated> {
         (Some(sign), None) | (None, Some(sign)) => sign,
         _ => return None,
     };
-    if signs.next().is_some() || in_letters.next().is_some() || !counts_something(&text[sign.end..])
-    {
+    let after = text[sign.end..].trim_start();
+    let behind = AFTER
+        .iter()
+        .find_map(|(words, direction)| Some((after.strip_prefix(words)?, *direction)));
+    let counted = behind.map_or(after, |(rest, _)| rest);
+    if signs.next().is_some() || in_letters.next().is_some() || !counts_something(counted) {
         return None;
     }
     let before = text[..sign.start].trim_end();
@@ -121,10 +149,22 @@ fn stated(text: &str) -> Option<Stated> {
     let start = before.len() - before.chars().rev().take_while(|it| digits(*it)).count();
     let percent: f64 = before[start..].parse().ok()?;
     let compared = before[..start].trim_end().to_lowercase();
-    let (words, direction) = COMPARISONS
+    let in_front = COMPARISONS
         .iter()
-        .find(|(words, _)| compared.ends_with(words))?;
-    let begin = before[..start].trim_end().len().checked_sub(words.len())?;
+        .find(|(words, _)| compared.ends_with(words));
+    let (words, direction) = match (in_front, behind) {
+        (Some((words, direction)), None) => (*words, *direction),
+        (None, Some((_, direction))) => ("", direction),
+        (None, None) if compared.ends_with("than") => return None,
+        // All of them, or none.
+        (None, None) if percent >= 100.0 => ("", Direction::AtLeast),
+        (None, None) if percent <= 0.0 => ("", Direction::AtMost),
+        (Some(_), Some(_)) | (None, None) => return None,
+    };
+    let begin = match words {
+        "" => start,
+        words => before[..start].trim_end().len().checked_sub(words.len())?,
+    };
     // "Must not fail in more than 5 % of attempts" bounds the rate from the other side.
     let is_negated = |part: &str| {
         let mut words = part.split(|it: char| !it.is_alphabetic() && it != '\'');
@@ -135,10 +175,7 @@ fn stated(text: &str) -> Option<Stated> {
     }
     let value = percent / 100.0;
     (0.0..=1.0).contains(&value).then_some(Stated {
-        threshold: Threshold {
-            direction: *direction,
-            value,
-        },
+        threshold: Threshold { direction, value },
         place: begin..sign.end,
     })
 }
@@ -190,6 +227,16 @@ mod tests {
         assert!(line.contains("requirements.toml:1:31"), "{line}");
         let line = warned("At least 60% of handover attempts succeed.", None).expect("a warning");
         assert!(line.contains("no threshold is declared"), "{line}");
+        for text in [
+            "It docks in 80 % or more of attempts.",
+            "It docks in >= 80 % of attempts.",
+            "It docks in a minimum of 80 percent of all attempts.",
+            "It docks in 100 % of attempts.",
+            "It fails in 0 % of attempts.",
+            "It docks in at least 100 % of attempts.",
+        ] {
+            assert!(warned(text, asked).is_some(), "{text}");
+        }
         let opposite = warned("No more than 2.5 percent of the journeys fail.", asked);
         assert!(opposite.is_some_and(|it| it.contains("at most 2.5 %")));
     }
@@ -201,8 +248,18 @@ mod tests {
             "At least 95 % of attempts succeed.",
             "At least 95% of all attempts succeed.",
             "Attempts fail in at most 5 % of cases.",
+            "Attempts succeed in 95 % or more of cases.",
         ] {
             assert_eq!(warned(text, asked), None, "{text}");
+        }
+        // No threshold asks it of every run.
+        for text in [
+            "At least 100 % of attempts succeed.",
+            "It docks in 100 % of attempts.",
+            "At most 0 % of attempts fail.",
+            "It fails in 0 % of attempts.",
+        ] {
+            assert_eq!(warned(text, None), None, "{text}");
         }
     }
 
@@ -213,6 +270,7 @@ mod tests {
             "The battery keeps at least 20 % of its charge.",
             "The battery keeps at least 20 %.",
             "It is slower than 80 % of full speed.",
+            "It is slower than 100 % of its limits.",
             "95 % of attempts succeed.",
             "At least 95 % of attempts succeed, at least 99 % of them in time.",
             "It docks within at least 3 s of arrivals.",

@@ -6,6 +6,7 @@ use super::one::{Bench, Effort, recorder};
 use super::ordered::in_order;
 use super::record::{EpisodeRecord, Journal};
 use super::tally::{Intervals, Tally, monitors};
+use super::took;
 use super::until::Until;
 use super::{estimates, table};
 use crate::technique::simulation::Seeds;
@@ -89,14 +90,22 @@ impl Campaigning<'_> {
         let mut journal = Journal::open(self.folder, self.numbers.start, &self.judged_by)?;
         let mut count = Count::new(self, &bench);
         self.go_on_from(&mut journal, &mut count)?;
-        self.run_the_rest(&bench, &mut journal, &mut count)?;
+        let earlier_secs = match count.tally.runs() {
+            0 => 0.0,
+            _ => took::kept(self.folder),
+        };
+        let wall_secs = || earlier_secs + began.elapsed().as_secs_f64();
+        let rest = self.run_the_rest(&bench, &mut journal, &mut count);
+        // Whoever goes on from here adds to it.
+        rest.inspect_err(|_| took::keep(self.folder, wall_secs()))?;
         let table = self.folder.join(match self.numbers.start {
             1 => "episodes.parquet".to_owned(),
             first => format!("episodes-{first}.parquet"),
         });
         table::write(&table, self, &bench.monitors, &journal, count.tally.runs())?;
         bench.recorder.tidy(self.folder);
-        Ok(count.finish(began, table))
+        took::forget(self.folder);
+        Ok(count.finish(wall_secs(), table))
     }
 
     /// Takes what the journal holds, up to the first episode whose recording is not as it was.
@@ -275,13 +284,13 @@ impl<'a> Count<'a> {
         words
     }
 
-    fn finish(mut self, began: Instant, table: PathBuf) -> Finished {
+    fn finish(mut self, wall_secs: f64, table: PathBuf) -> Finished {
         let (episodes, numbers) = (self.tally.runs(), &self.plan.numbers);
         let stopped = self.plan.until.map(|until| {
             let ends = self.tally.completions(until.subject());
             until.outcome_in_words(ends, episodes, numbers.end - numbers.start)
         });
-        self.cost.wall_secs = began.elapsed().as_secs_f64();
+        self.cost.wall_secs = wall_secs;
         if self.new_cpu_secs > 0.0 {
             self.cost.real_time_factor = Some(self.new_secs / self.new_cpu_secs);
         }

@@ -254,6 +254,7 @@ impl Ready<'_> {
             clusters: None,
             alike_trials: None,
             repeated_recordings: Vec::new(),
+            findings_once: Vec::new(),
             influences,
             cost: Cost {
                 evidence: self.asked.entry.id.clone(),

@@ -10,10 +10,13 @@
 //! | a `trace` binding becomes another signal | a signal of topics.toml that no proposition reads, where two propositions read the same predicate |
 //! | a `trace` binding `signal == 'value'` names another value | a value of the signal that no proposition names, where it has the proposition's name, or where two propositions read the same predicate |
 //! | a quantity in a `trace` binding has another unit | another unit of the dimension |
+//! | a parameter that a formula reads, or a number in a `trace` binding, has another value | a quantity that the requirement's text says, another unit of the dimension, or a slip by a factor |
+//! | a comparison in a `trace` binding is the other way round | nothing but that it can be |
 //! | a hand-written `property`, or what a `monitor` waits for, names another proposition | the proposition that the other forms of the same requirement name |
 //! | a limit `within_secs`, or one in a hand-written `property` | a duration in the requirement's own text or sentence, or the limit of its other form, or a slip by a factor |
 //! | the `step` of study.toml, the `mission_time` of a fault tree | a slip by a factor, or a duration that a requirement says |
-//! | the `unit` of a signal | the unit that the field's own name ends with, or another unit of the dimension |
+//! | the `unit` of a signal | the unit that the field's own name ends with, or another unit of the dimension where it ends with none |
+//! | the `scale` of a signal | a slip by a factor, the sign, or radians for degrees |
 //!
 //! A free column, value or signal is tried for every proposition; by itself it suggests nothing, since a model may well
 //! have states that no proposition names.
@@ -22,6 +25,7 @@
 //! None: a candidate is an idea. It is accepted only by what it does to all the evidence (`edits`).
 
 pub(super) mod limits;
+mod quantities;
 mod times;
 mod topics;
 
@@ -30,7 +34,7 @@ use evidence::{Subject, SuspectKind, requirement_form};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use study::{Rule, Study, SubjectForm, quoted_names};
-use topics::{Topics, quantities};
+use topics::Topics;
 use trace::Table;
 
 /// Which evidence an edit reaches.
@@ -44,6 +48,8 @@ pub(super) enum Reach {
     Tables,
     /// How runs are judged.
     Runs,
+    /// How runs are judged, and what formal models answer.
+    All,
 }
 
 /// One value of one text replaced.
@@ -80,40 +86,51 @@ impl TextEdit {
         match self.kind {
             SuspectKind::TimeScale => true,
             SuspectKind::Property | SuspectKind::Monitor => self.is_number(),
-            _ => false,
+            _ => self.file == PARAMETERS && quantities::is_duration(&self.old),
         }
     }
 
-    /// Whether a number takes the place of a number.
+    /// Whether a number takes the place of a number, in the same unit if it has one.
     pub(super) fn is_number(&self) -> bool {
-        let starts = |text: &str| {
-            let text = text.trim_start_matches(['<', '=', '>', ' ']);
-            text.starts_with(|c: char| c.is_ascii_digit())
+        let unit_of = |text: &str| -> Option<String> {
+            let text = text.trim_start_matches(['<', '=', '>', ' ', '-']);
+            let rest = text.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+            (rest.len() < text.len()).then(|| rest.trim().to_owned())
         };
-        starts(&self.old) && starts(&self.new)
+        let units = (unit_of(&self.old), unit_of(&self.new));
+        units.0.is_some() && units.0 == units.1
     }
 }
 
 const VOCABULARY: &str = "vocabulary.toml";
+const PARAMETERS: &str = "parameters.toml";
 const REQUIREMENTS: &str = "requirements.toml";
 const TOPICS: &str = "topics.toml";
 const STUDY: &str = "study.toml";
 const LEDGER: &str = "ledger.toml";
 
-/// All that is suggested, in the order of the files.
-pub(super) fn candidates(study: &Study) -> Result<Vec<TextEdit>, Problem> {
+/// All that is suggested, in the order of the files. Of numbers that formulas read those alone that bear on a subject that
+/// `disagrees`, since each is tried on all recordings.
+pub(super) fn candidates(
+    study: &Study,
+    disagrees: &dyn Fn(&Subject) -> bool,
+) -> Result<Vec<TextEdit>, Problem> {
     let mut found = columns(study)?;
     found.extend(model_bindings(study)?);
     for form in &study.forms.subjects {
         found.extend(other_words(study, form));
         found.extend(limits::of_form(study, form));
     }
-    found.extend(quantities(study));
+    found.extend(topics::quantities(study));
+    found.extend(quantities::in_bindings(study, disagrees));
+    found.extend(quantities::parameters(study, disagrees));
     found.extend(times::of_step(study));
     found.extend(times::of_missions(study));
     let path = study.folder.join(TOPICS);
     if path.exists() {
-        let topics = Topics::of(&host::files::read_source(&path)?.text);
+        let text = host::files::read_source(&path)?.text;
+        let topics = Topics::of(&text);
+        found.extend(quantities::scales(&text));
         found.extend(topics.units());
         found.extend(topics.signals(study));
         found.extend(topics.values(study));

@@ -43,7 +43,7 @@ use crate::technique::experiment::Tables;
 use crate::technique::kinds::{Asked, tree_values};
 use crate::technique::model_checking::Compiled;
 use crate::technique::operation::only_violations;
-use crate::technique::{same_messages, simulation};
+use crate::technique::simulation;
 use diagnostic::Problem;
 use evidence::{
     Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
@@ -55,7 +55,7 @@ use judging::Judges;
 use judging::recording::ReadingRules;
 use rayon::prelude::*;
 use scratch::Scratch;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use study::Study;
 
@@ -94,7 +94,9 @@ impl Diagnosing<'_> {
         let now = self.models_now()?;
         let mut found: Vec<Explained> = Vec::new();
         let mut tried = 0_u32;
-        for edit in candidates(self.study)? {
+        let strong = before.iter().filter(|(_, apart)| **apart > STRONG);
+        let strong: BTreeSet<&Subject> = strong.map(|((.., subject), _)| subject).collect();
+        for edit in candidates(self.study, &|subject| strong.contains(subject))? {
             self.setting.go_on()?;
             // An edit with which the study cannot be read is none.
             let after = scratch
@@ -215,29 +217,27 @@ impl Diagnosing<'_> {
         for piece in &mut evidence {
             let entry = self.study.entry(&piece.id)?;
             let (work, id) = (&entry.work, &piece.id);
-            let findings = match &edit.reach {
-                Reach::Tree(tree) if tree != id => continue,
-                Reach::Tree(_) => self.tree_with(entry, edit, &piece.findings)?,
-                Reach::Models => {
-                    let Some(model) = work.model() else { continue };
+            let findings = match (&edit.reach, work.model()) {
+                (Reach::Tree(tree), _) if tree != id => continue,
+                (Reach::Tree(_), _) => self.tree_with(entry, edit, &piece.findings)?,
+                (Reach::Models | Reach::All, Some(model)) => {
                     let then = self.model_values(study, model)?;
                     answers(now.get(model), &then, &piece.findings)
                 }
-                Reach::Tables => {
+                (Reach::Models, None) => continue,
+                (Reach::Tables, _) => {
                     let Some(files) = work.tables() else { continue };
                     let tables = Tables::read(study, files)?;
                     tables.produce(study, id, work.technique())?.findings
                 }
-                Reach::Runs => {
+                (Reach::Runs, _) | (Reach::All, None) => {
                     let episodes = || self.folder.join("episodes").join(id);
-                    let parts = work.parts();
-                    let (folder, is_once) = match (parts.recordings, parts.simulated) {
-                        (Some(of), _) => (self.study.folder.join(of.folder), of.repeated.is_none()),
-                        // Episodes are trials of their own, whatever they record.
-                        (None, Some(_)) => (episodes(), false),
-                        (None, None) => continue,
+                    let recordings = work.recordings().map(|of| self.study.folder.join(of));
+                    let simulated = work.simulated().map(|_| episodes());
+                    let Some(folder) = recordings.or(simulated) else {
+                        continue;
                     };
-                    self.verdicts(study, scratch, (&folder, is_once))?
+                    self.verdicts(study, scratch, &folder)?
                 }
             };
             let known = findings.into_iter();
@@ -316,7 +316,7 @@ impl Diagnosing<'_> {
         &self,
         study: &Study,
         scratch: &Scratch,
-        (folder, is_once): (&Path, bool),
+        folder: &Path,
     ) -> Result<Vec<Finding>, Problem> {
         let Ok(found) = recording::trials(folder) else {
             return Ok(Vec::new());
@@ -324,12 +324,8 @@ impl Diagnosing<'_> {
         if found.trials.is_empty() {
             return Ok(Vec::new());
         }
+        let trials = super::events::evenly(found.trials, MOST_RUNS);
         let rules = ReadingRules::of_study(&scratch.folder, None)?;
-        let trials = match is_once {
-            true => same_messages::once(found.trials, &rules.options).0,
-            false => found.trials,
-        };
-        let trials = super::events::evenly(trials, MOST_RUNS);
         let judges = Judges::new(study, |_| true)?;
         let go_on = || self.setting.go_on();
         let judged: Vec<_> = trials

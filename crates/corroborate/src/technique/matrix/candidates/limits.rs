@@ -134,7 +134,19 @@ pub(in super::super) fn is_timed(study: &Study, form: &SubjectForm) -> bool {
 
 /// The durations of a subject's text and sentence.
 fn said(study: &Study, subject: &Subject) -> Vec<f64> {
-    let texts: Vec<String> = match subject {
+    let mut found: Vec<f64> = Vec::new();
+    let texts = said_texts(study, subject);
+    for secs in texts.iter().flat_map(|text| durations(text)) {
+        if !found.contains(&secs) {
+            found.push(secs);
+        }
+    }
+    found
+}
+
+/// A subject's text and sentence.
+pub(super) fn said_texts(study: &Study, subject: &Subject) -> Vec<String> {
+    match subject {
         Subject::Requirement(id) => {
             let mut all = study.requirements.iter();
             let own = all.find(|r| &r.id == id);
@@ -152,14 +164,7 @@ fn said(study: &Study, subject: &Subject) -> Vec<f64> {
                 .into_iter()
                 .collect()
         }
-    };
-    let mut found: Vec<f64> = Vec::new();
-    for secs in texts.iter().flat_map(|text| durations(text)) {
-        if !found.contains(&secs) {
-            found.push(secs);
-        }
     }
-    found
 }
 
 /// The durations that any requirement or failure mode says in words, in seconds.

@@ -12,7 +12,7 @@ use study::Study;
 use trace::units::QuantityValue;
 
 /// Units that are written for one another.
-const UNITS: [&str; 24] = [
+pub(super) const UNITS: [&str; 24] = [
     "mm", "cm", "m", "km", "mm/s", "cm/s", "m/s", "km/h", "ms", "s", "min", "rad", "deg", "rad/s",
     "deg/s", "g", "kg", "mN", "N", "kN", "mA", "A", "mV", "V",
 ];
@@ -44,7 +44,7 @@ pub(super) fn quantities(study: &Study) -> Vec<TextEdit> {
 }
 
 /// The numbers of a predicate that have a unit: of `/x.v < 0.3 m/s` it is `0.3` and `m/s`, with their place.
-fn numbers_with_units(text: &str) -> Vec<(Range<usize>, &str, &str)> {
+pub(super) fn numbers_with_units(text: &str) -> Vec<(Range<usize>, &str, &str)> {
     let mut found = Vec::new();
     let mut at = 0;
     for word in text.split_inclusive(' ') {
@@ -62,7 +62,7 @@ fn numbers_with_units(text: &str) -> Vec<(Range<usize>, &str, &str)> {
 }
 
 /// Other units of the same dimension.
-fn other_units(unit: &str) -> Vec<&'static str> {
+pub(super) fn other_units(unit: &str) -> Vec<&'static str> {
     let parsed = |unit: &str| format!("1 {unit}").parse::<QuantityValue>().ok();
     let Some(own) = parsed(unit) else {
         return Vec::new();
@@ -119,9 +119,17 @@ impl Topics {
             let Some((span, unit)) = &signal.unit else {
                 continue;
             };
+            let field = signal.from.to_lowercase();
+            let is_said = |unit: &str| {
+                let suffix = format!("_{}", unit.replace('/', "_per_")).to_lowercase();
+                field.ends_with(&suffix)
+            };
+            // What the field's own name says is not looked at.
+            if is_said(unit) {
+                continue;
+            }
             for other in other_units(unit) {
-                let suffix = format!("_{}", other.replace('/', "_per_")).to_lowercase();
-                let says = signal.from.to_lowercase().ends_with(&suffix);
+                let says = is_said(other);
                 let hint = says.then(|| format!("its field is called `{}`", signal.from));
                 found.push(TextEdit {
                     file: TOPICS,
@@ -269,5 +277,7 @@ mod tests {
             .collect();
         assert_eq!(hinted, ["cm/s"]);
         assert_eq!(&text[edits[0].span.clone()], "m/s");
+        let said = Topics::of(&text.replace("\"m/s\"", "\"cm/s\"")).units();
+        assert!(said.is_empty(), "the field's name says it: {said:?}");
     }
 }

@@ -1,0 +1,336 @@
+//! Edits of the numbers that formulas of traces read: the parameters of `parameters.toml`, numbers and comparisons in `trace`
+//! bindings, and the `scale` of a signal.
+//!
+//! # Definition
+//! A parameter is looked at if a requirement's or a failure mode's sentence, or a proposition that its monitor reads, names
+//! it. It may be
+//! * what the text of such a requirement says, in the parameter's dimension;
+//! * the same number in another unit of its dimension;
+//! * a slip by a factor.
+//!
+//! One whose value a text says already is not looked at. A number in a binding may be what the texts of those say that read
+//! it, or a slip by a factor (its units are in [`super::topics`]); a comparison may be the other way round. A `scale` may
+//! be a slip by a factor, by the sign, or between radians and degrees.
+//!
+//! # Guarantee
+//! That of [`super`]: none. What is named is what all evidence is explained by.
+
+use super::topics::{UNITS, numbers_with_units, other_units};
+use super::{PARAMETERS, Reach, TOPICS, TextEdit, binding, limits::said_texts, of_monitor, values};
+use evidence::{Subject, SuspectKind};
+use std::collections::BTreeSet;
+use std::ops::Range;
+use study::{Study, SubjectForm};
+use trace::units::QuantityValue;
+
+/// Slips of a number.
+const FACTORS: [f64; 4] = [10.0, 0.1, 2.0, 0.5];
+
+/// Slips of a scale, besides those of a number: the sign, thousandths, radians for degrees.
+const SCALES: [f64; 5] = [
+    -1.0,
+    1000.0,
+    0.001,
+    std::f64::consts::PI / 180.0,
+    180.0 / std::f64::consts::PI,
+];
+
+/// Values that differ by less than this part are the same.
+const SAME_PART: f64 = 1e-9;
+
+/// Other values of the parameters that are read.
+pub(super) fn parameters(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> Vec<TextEdit> {
+    let mut found = Vec::new();
+    for (name, declared) in &study.parameters.declared {
+        let readers: Vec<&SubjectForm> = readers(study, name).collect();
+        let Some(own) = Quantity::read(&declared.text) else {
+            continue;
+        };
+        let said = said(study, &readers, &own);
+        let is_said = said.iter().any(|(it, _)| it.is_same(&own));
+        if is_said || !readers.iter().any(|form| disagrees(&form.subject)) {
+            continue;
+        }
+        let told = said.into_iter();
+        let told = told.map(|(it, by)| (it.text, Some(format!("the text of {by} says it"))));
+        let others = own.in_other_units().into_iter().chain(own.slips());
+        for (new, hint) in told.chain(others.map(|new| (new, None))) {
+            let edit = TextEdit {
+                file: PARAMETERS,
+                span: declared.span.clone(),
+                old: declared.text.clone(),
+                new,
+                kind: SuspectKind::Vocabulary,
+                part: format!("{name}, value"),
+                reach: Reach::All,
+                is_said: hint.is_some(),
+                hint,
+            };
+            add(edit, &mut found);
+        }
+    }
+    found
+}
+
+/// Other numbers in the bindings of traces, and comparisons the other way round.
+pub(super) fn in_bindings(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> Vec<TextEdit> {
+    let mut found = Vec::new();
+    for (name, proposition) in &study.vocabulary.propositions {
+        let Some(place) = &proposition.trace else {
+            continue;
+        };
+        let forms = study.forms.subjects.iter();
+        let readers: Vec<&SubjectForm> = forms
+            .filter(|form| of_monitor(form).contains(name))
+            .collect();
+        if !readers.iter().any(|form| disagrees(&form.subject)) {
+            continue;
+        }
+        let within = |span: &Range<usize>| {
+            let start = place.span.start;
+            start + span.start..start + span.end
+        };
+        for (span, ..) in numbers_with_units(&place.text) {
+            let written = &place.text[span.clone()];
+            let Some(own) = Quantity::read(written) else {
+                continue;
+            };
+            let said = said(study, &readers, &own);
+            if said.iter().any(|(it, _)| it.is_same(&own)) {
+                continue;
+            }
+            let told = said.into_iter();
+            let told = told.map(|(it, by)| (it.text, Some(format!("the text of {by} says it"))));
+            for (new, hint) in told.chain(own.slips().map(|new| (new, None))) {
+                let edit = TextEdit {
+                    span: within(&span),
+                    old: written.to_owned(),
+                    is_said: hint.is_some(),
+                    ..binding((name, "trace"), place, new, Reach::Runs, hint)
+                };
+                add(edit, &mut found);
+            }
+        }
+        for (span, turned) in comparisons(&place.text) {
+            let old = place.text[span.clone()].to_owned();
+            let edit = TextEdit {
+                span: within(&span),
+                old,
+                ..binding((name, "trace"), place, turned.to_owned(), Reach::Runs, None)
+            };
+            add(edit, &mut found);
+        }
+    }
+    found
+}
+
+/// Other scales of signals.
+pub(super) fn scales(text: &str) -> Vec<TextEdit> {
+    let mut starts: Vec<usize> = text.match_indices("[\"/").map(|(at, _)| at).collect();
+    starts.push(text.len());
+    let mut found = Vec::new();
+    for pair in starts.windows(2) {
+        let signal = text[pair[0] + 2..pair[1]].split('"').next();
+        let written = values(text, pair[0]..pair[1], "scale").into_iter().next();
+        let (Some(signal), Some((span, written))) = (signal, written) else {
+            continue;
+        };
+        let Ok(number) = written.parse::<f64>() else {
+            continue;
+        };
+        for factor in FACTORS.iter().chain(&SCALES) {
+            let edit = TextEdit {
+                file: TOPICS,
+                span: span.clone(),
+                old: written.clone(),
+                new: plainly(number * factor),
+                kind: SuspectKind::Vocabulary,
+                part: format!("{signal}, scale"),
+                reach: Reach::Runs,
+                hint: None,
+                is_said: false,
+            };
+            add(edit, &mut found);
+        }
+    }
+    found
+}
+
+fn add(edit: TextEdit, found: &mut Vec<TextEdit>) {
+    let mut known = found.iter();
+    let is_known = known.any(|it| it.is_of_place(&edit) && it.new == edit.new);
+    if edit.new != edit.old && !is_known {
+        found.push(edit);
+    }
+}
+
+/// The requirements and failure modes that read a parameter.
+fn readers<'s>(study: &'s Study, name: &'s str) -> impl Iterator<Item = &'s SubjectForm> {
+    study.forms.subjects.iter().filter(move |form| {
+        let propositions = of_monitor(form).into_iter();
+        let bindings = propositions.filter_map(|it| {
+            let found = study.vocabulary.propositions.get(&it)?;
+            Some(found.trace.as_ref()?.text.clone())
+        });
+        let mut texts = bindings.chain(said_texts(study, &form.subject));
+        texts.any(|text| has_word(&text, name))
+    })
+}
+
+fn has_word(text: &str, name: &str) -> bool {
+    let mut words = text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
+    words.any(|word| word == name)
+}
+
+/// The quantities of the same dimension that the texts of these say, each with whose text it is.
+fn said(study: &Study, readers: &[&SubjectForm], own: &Quantity) -> Vec<(Quantity, String)> {
+    let mut found: Vec<(Quantity, String)> = Vec::new();
+    for form in readers {
+        for text in said_texts(study, &form.subject) {
+            let all = in_text(&text).into_iter();
+            for one in all.filter(|it| it.value.dimension() == own.value.dimension()) {
+                if !found.iter().any(|(it, _)| it.is_same(&one)) {
+                    found.push((one, form.subject.in_words()));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// A number with its unit.
+struct Quantity {
+    /// As it is written.
+    text: String,
+    number: f64,
+    unit: String,
+    value: QuantityValue,
+}
+
+impl Quantity {
+    fn read(text: &str) -> Option<Self> {
+        let text = text.trim();
+        let digits = text.find(|c: char| !(c.is_ascii_digit() || ".eE+-_".contains(c)));
+        let (number, unit) = text.split_at(digits.unwrap_or(text.len()));
+        Some(Self {
+            text: text.to_owned(),
+            number: number.replace('_', "").parse().ok()?,
+            unit: unit.trim().to_owned(),
+            value: text.parse().ok()?,
+        })
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        let (one, two) = (self.value.si_value(), other.value.si_value());
+        (one - two).abs() <= SAME_PART * one.abs().max(two.abs())
+    }
+
+    fn in_other_units(&self) -> Vec<String> {
+        let units = other_units(&self.unit).into_iter();
+        units
+            .map(|unit| format!("{} {unit}", plainly(self.number)))
+            .collect()
+    }
+
+    fn slips(&self) -> impl Iterator<Item = String> {
+        FACTORS.iter().map(|factor| {
+            let number = plainly(self.number * factor);
+            format!("{number} {}", self.unit).trim_end().to_owned()
+        })
+    }
+}
+
+/// The quantities that a text in words says.
+fn in_text(text: &str) -> Vec<Quantity> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let plain = |word: &str| -> String {
+        let ends = |c: char| !(c.is_ascii_alphanumeric() || c == '/' || c == '%');
+        word.trim_matches(ends).to_owned()
+    };
+    let pairs = words.windows(2).filter_map(|pair| {
+        let (number, unit) = (pair[0].trim_start_matches('('), plain(pair[1]));
+        number.parse::<f64>().ok()?;
+        UNITS
+            .contains(&unit.as_str())
+            .then(|| Quantity::read(&format!("{number} {unit}")))?
+    });
+    pairs.collect()
+}
+
+/// The comparisons of a predicate, each with the one that is the other way round.
+fn comparisons(text: &str) -> Vec<(Range<usize>, &'static str)> {
+    const TURNED: [(&str, &str); 4] = [("<=", ">="), (">=", "<="), ("<", ">"), (">", "<")];
+    let mut found = Vec::new();
+    let mut at = 0;
+    while let Some(rest) = text.get(at..).filter(|rest| !rest.is_empty()) {
+        // An arrow is no comparison.
+        let is_arrow = rest.starts_with("=>") || rest.starts_with("->");
+        let known = TURNED.iter().find(|(sign, _)| rest.starts_with(sign));
+        at += match (is_arrow, known) {
+            (true, _) => 2,
+            (false, Some((sign, turned))) => {
+                found.push((at..at + sign.len(), *turned));
+                sign.len()
+            }
+            (false, None) => rest.chars().next().map_or(1, char::len_utf8),
+        };
+    }
+    found
+}
+
+/// A number as it would be written: at most nine digits that count.
+fn plainly(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = 8 - value.abs().log10().floor().clamp(-12.0, 8.0) as i32;
+    let scale = 10.0_f64.powi(digits);
+    format!("{}", (value * scale).round() / scale)
+}
+
+/// The dimensions in which a parameter is a duration.
+pub(super) fn is_duration(text: &str) -> bool {
+    let of_time = BTreeSet::from(["ms", "s", "min", "h"]);
+    Quantity::read(text).is_some_and(|it| of_time.contains(it.unit.as_str()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_of_a_text_are_read_with_their_units() {
+        let text = "Within 3.5 s, nearer than 10 cm (0.25 m/s at most), in 95 % of 12 runs.";
+        let found: Vec<String> = in_text(text).into_iter().map(|it| it.text).collect();
+        assert_eq!(found, ["3.5 s", "10 cm", "0.25 m/s"]);
+        assert!(is_duration("3.5 s") && !is_duration("10 cm"));
+    }
+
+    #[test]
+    fn a_quantity_slips_by_its_unit_and_by_factors() {
+        let own = Quantity::read("1.5 cm").expect("a quantity");
+        assert_eq!(own.in_other_units(), ["1.5 mm", "1.5 m", "1.5 km"]);
+        let slips: Vec<String> = own.slips().collect();
+        assert_eq!(slips, ["15 cm", "0.15 cm", "3 cm", "0.75 cm"]);
+        assert!(own.is_same(&Quantity::read("15 mm").expect("a quantity")));
+    }
+
+    #[test]
+    fn comparisons_are_turned_round_and_arrows_left() {
+        let text = "/a.x <= 3 & (/a.y > 2 => /a.z < 1)";
+        let found: Vec<(&str, &str)> = comparisons(text)
+            .into_iter()
+            .map(|(span, turned)| (&text[span], turned))
+            .collect();
+        assert_eq!(found, [("<=", ">="), (">", "<"), ("<", ">")]);
+    }
+
+    #[test]
+    fn a_scale_is_tried_with_other_factors() {
+        let text = "[\"/x.angle\"]\nfrom = \"/imu.yaw\"\nscale = 0.5\nunit = \"rad\"\n";
+        let edits = scales(text);
+        assert_eq!(edits.len(), FACTORS.len() + SCALES.len());
+        assert!(edits.iter().all(|it| text[it.span.clone()] == *"0.5"));
+        assert!(edits.iter().any(|it| it.new == "-0.5"));
+    }
+}
