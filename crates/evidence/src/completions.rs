@@ -100,7 +100,7 @@ impl Finding {
         self.completions = Some(Box::new(Completions { ends }));
     }
 
-    /// What the study made of its runs without a verdict, as the end of a sentence; empty where there are none.
+    /// Its runs without a verdict, with what they count for, as the end of a sentence; empty where there are none.
     #[must_use]
     pub fn undecided_in_words(&self) -> String {
         let (many, they) = match self.undecided {
@@ -108,12 +108,9 @@ impl Finding {
             1 => ("1 more run".to_owned(), "is"),
             many => (format!("{many} more runs"), "are"),
         };
-        match (&self.completions, &self.measure) {
-            (Some(_), _) => format!("{many} reached no verdict and {they} counted against and for"),
-            (None, Measure::Counts { trials, .. }) if *trials > 0 => {
-                format!("{many} reached no verdict and {they} taken to be missing at random")
-            }
-            _ => format!("{many} reached no verdict"),
+        match &self.completions {
+            Some(_) => format!("{many} reached no verdict and {they} counted against and for"),
+            None => format!("{many} reached no verdict"),
         }
     }
 }

@@ -293,15 +293,12 @@ mod tests {
         assert_eq!(
             of(Denominator::Triggered, None).condition(None).as_deref(),
             Some(
-                "7 of the 9 runs that trigger it; 3 more runs reached no verdict and are taken to be missing at random; how \
-                 many runs there were in all is not known"
+                "7 of the 9 runs that trigger it; 3 more runs reached no verdict; how many runs there were in all is not known"
             )
         );
         assert_eq!(
             of(Denominator::EveryRun, None).condition(None).as_deref(),
-            Some(
-                "7 of the 9 runs with a verdict; 3 more runs reached no verdict and are taken to be missing at random"
-            )
+            Some("7 of the 9 runs with a verdict; 3 more runs reached no verdict")
         );
     }
 

@@ -102,8 +102,8 @@ fn replaced_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<ExcludedTrials> 
                 evidence: piece.evidence.id.clone(),
                 trials,
                 words: format!(
-                    "{}: {} at earlier looks, which the present counts do not contain: trials were replaced, or they are judged \
-                     otherwise now. If either was done for the outcome, no error rate holds.",
+                    "{}: {} at earlier looks, which the present counts do not contain: trials were replaced, or are judged \
+                     otherwise now; if for the outcome, no error rate holds.",
                     piece.evidence.id,
                     list(&counts)
                 ),

@@ -68,8 +68,7 @@ pub(super) fn piece(
             }
             if is_none(limits, threshold, leans_to_met) {
                 return format!(
-                    "{id}: {counts}, so few that they show no limit of the rate on this side at {}{at} (p {} against \
-                     {}){contradicted}",
+                    "{id}: {counts}, no limit shown on this side at {}{at} (p {} against {}){contradicted}",
                     percent(1.0 - level),
                     p_value(p),
                     hypothesis(threshold, !leans_to_met),

@@ -326,7 +326,7 @@ impl Finder<'_> {
             if !same.is_empty() {
                 let drift = boundary_drift(&same, limit);
                 let drift = drift.or_else(|| role_drift(&same, limit, limits));
-                let drift = drift.or_else(|| behind_drift(&same, limit));
+                let drift = drift.or_else(|| self.behind_drift(&same, limit));
                 let hint = unit_hint(&same, limit);
                 for (kind, found, declared) in drift.into_iter().chain(hint) {
                     self.add(form, kind, found, declared);
@@ -348,6 +348,17 @@ impl Finder<'_> {
             let found = self.told_apart(limit);
             self.add(form, DriftKind::Limit, found, declared);
         }
+    }
+
+    /// That a duration stands behind as many equal ones as are declared, or more: they add up.
+    fn behind_drift(&self, same: &[&Limit], limit: &Limit) -> Option<(DriftKind, String, String)> {
+        let first = same.first()?;
+        let all = self.declared.limits.iter();
+        let declared = all.filter(|it| it.is_duration() && is_same_limit(it, limit));
+        (limit.is_duration() && limit.behind >= declared.count()).then(|| {
+            let found = format!("{} behind another {}", in_words(limit), in_words(limit));
+            (DriftKind::Limit, found, in_words(first))
+        })
     }
 
     /// A limit in words; with what it limits, if the same limit of something
@@ -489,15 +500,6 @@ fn role_drift(
     }
     let words = |it: &Limit| format!("{}{}", it.role.words(), in_words(it));
     Some((DriftKind::Limit, words(limit), words(same.first()?)))
-}
-
-/// That a duration stands behind as many equal ones as are declared, or more: they add up.
-fn behind_drift(same: &[&Limit], limit: &Limit) -> Option<(DriftKind, String, String)> {
-    let first = same.first()?;
-    (limit.is_duration() && limit.behind >= same.len()).then(|| {
-        let found = format!("{} behind another {}", in_words(limit), in_words(limit));
-        (DriftKind::Limit, found, in_words(first))
-    })
 }
 
 /// That the limit itself counts to another side than it does in each of the
