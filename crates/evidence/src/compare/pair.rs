@@ -30,6 +30,16 @@ pub(super) struct Pair {
     places: Option<Rc<PlannedSide>>,
     /// This pair's uncertain side, for plans.
     places_of_next: OnceCell<Option<Rc<PlannedSide>>>,
+    /// What is asked for several times and takes long: the answers of this look.
+    answered: Answered,
+}
+
+/// Answers that are worked out once.
+#[derive(Default)]
+struct Answered {
+    p_difference: OnceCell<f64>,
+    p_equivalence: OnceCell<Option<f64>>,
+    probability_within: OnceCell<f64>,
 }
 
 impl Pair {
@@ -42,6 +52,7 @@ impl Pair {
             past_of_next: OnceCell::new(),
             places: None,
             places_of_next: OnceCell::new(),
+            answered: Answered::default(),
         }
     }
 
@@ -200,6 +211,11 @@ impl Pair {
 
     /// The same if this was the only look.
     pub fn p_difference_once(&self) -> f64 {
+        let answer = &self.answered.p_difference;
+        *answer.get_or_init(|| self.find_p_difference())
+    }
+
+    fn find_p_difference(&self) -> f64 {
         use Belief::{Counts, Known};
         if let Some((places, counts)) = self.planned() {
             return places.p_difference(&counts);
@@ -290,6 +306,11 @@ impl Pair {
 
     /// The same p-value if this was the only look.
     pub fn p_equivalence_once(&self) -> Option<f64> {
+        let answer = &self.answered.p_equivalence;
+        *answer.get_or_init(|| self.find_p_equivalence())
+    }
+
+    fn find_p_equivalence(&self) -> Option<f64> {
         use Belief::{Counts, Known};
         match (&self.first, &self.second) {
             (
@@ -344,6 +365,11 @@ impl Pair {
 
     /// Posterior probability that the difference is below the margin.
     pub fn probability_within(&self) -> f64 {
+        let answer = &self.answered.probability_within;
+        *answer.get_or_init(|| self.find_probability_within())
+    }
+
+    fn find_probability_within(&self) -> f64 {
         if let Some((places, counts)) = self.planned() {
             return places.probability_within(&counts, self.margin);
         }
