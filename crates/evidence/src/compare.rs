@@ -59,7 +59,7 @@ mod together;
 mod uncertain;
 pub(crate) mod words;
 
-pub(crate) use belief::{Belief, CountsAtLook};
+pub(crate) use belief::{Belief, Computed, CountsAtLook};
 pub(crate) use by_cluster::ByCluster;
 pub(crate) use ends::End;
 pub use further::{DecisionPlan, FurtherSubjects, PlannedTrials, TrialCosts, Undecided, undecided};
@@ -230,12 +230,18 @@ impl<'a> Study<'a> {
 /// # Ok::<(), stats::StatsError>(())
 /// ```
 pub fn compare(study: &Study<'_>) -> Vec<Comparison> {
+    compare_knowing(study, &Computed::default())
+}
+
+/// The same for studies that differ in their counts alone.
+pub(crate) fn compare_knowing(study: &Study<'_>, computed: &Computed) -> Vec<Comparison> {
     let lineage = study.lineage();
     let mut drafts = Vec::new();
     for (subject, margin) in study.subjects() {
         for (index, left) in study.evidence.iter().enumerate() {
             for right in &study.evidence[index + 1..] {
-                drafts.extend(draft(study, &lineage, &subject, margin, (left, right)));
+                let known = (&lineage, computed);
+                drafts.extend(draft(study, known, &subject, margin, (left, right)));
             }
         }
     }
@@ -264,7 +270,7 @@ struct Draft {
 
 fn draft(
     study: &Study<'_>,
-    lineage: &Lineage<'_>,
+    (lineage, computed): (&Lineage<'_>, &Computed),
     subject: &Subject,
     margin: f64,
     (left, right): (&Evidence, &Evidence),
@@ -273,6 +279,10 @@ fn draft(
         return None;
     }
     let findings = (left.finding(subject)?, right.finding(subject)?);
+    let beliefs = (
+        computed.belief(left, findings.0),
+        computed.belief(right, findings.1),
+    );
     let sides = ((left, findings.0), (right, findings.1));
     let fit = lineage.dependence(&left.id, &right.id, subject);
     let mut comparison = blank(subject, left, right, margin);
@@ -294,10 +304,7 @@ fn draft(
         Some(Err(reason)) => comparison.trigger_not_compared = Some(reason),
         None => {}
     }
-    let (pair, obstacle) = match (
-        Belief::of_finding(findings.0),
-        Belief::of_finding(findings.1),
-    ) {
+    let (pair, obstacle) = match beliefs {
         (Ok(first), Ok(second)) => {
             let pair = paired(study, subject, margin, ((left, first), (right, second)));
             let obstacle =

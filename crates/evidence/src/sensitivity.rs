@@ -17,9 +17,10 @@
 //! Cost: that of comparing and concluding, for each correlation until all decisions have changed.
 
 use crate::compare::words::list;
+use crate::compare::{Computed, compare_knowing};
 use crate::{
     ClusterSensitivity, Comparison, Conclusion, Evidence, ExclusionReason, Measure, Outcome, Study,
-    Verdict, compare, conclude,
+    Verdict, conclude,
 };
 use stats::{Confidence, Sample, kish_design_effect};
 
@@ -43,6 +44,7 @@ pub fn bear_clustering(
     let mut pairs: Vec<Option<f64>> = vec![None; comparisons.len()];
     let mut verdicts: Vec<Option<f64>> = vec![None; conclusions.len()];
     let mut below = 0.0;
+    let computed = Computed::default();
     for correlation in CORRELATIONS {
         let changed: Vec<Evidence> = study
             .evidence
@@ -53,7 +55,7 @@ pub fn bear_clustering(
             evidence: &changed,
             ..*study
         };
-        let compared = compare(&again);
+        let compared = compare_knowing(&again, &computed);
         let concluded = conclude(&again, &compared);
         for ((found, was), is) in pairs.iter_mut().zip(&*comparisons).zip(&compared) {
             if was.outcome != is.outcome {

@@ -5,9 +5,12 @@ use super::ends::{End, Ends};
 use super::quantiles::Quantiles;
 use super::uncertain::Uncertain;
 use crate::{
-    Completions, CredibleInterval, EndDistribution, Finding, Guarantee, Measure, MethodAnswer,
+    Completions, CredibleInterval, EndDistribution, Evidence, Finding, Guarantee, Measure,
+    MethodAnswer, Subject,
 };
 use stats::{BetaPosterior, Confidence, EffectiveSample, Interval, Sample};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// Counts at one look, of one sequence of trials.
@@ -78,6 +81,26 @@ pub(crate) enum Belief {
         /// Both ends with their distributions.
         ends: Ends,
     },
+}
+
+/// What computed probabilities say, for comparisons that are made again and again with the same ones: what is worked out of
+/// a distribution stays with its belief.
+#[derive(Debug, Default)]
+pub(crate) struct Computed(RefCell<BTreeMap<(String, Subject), Result<Belief, String>>>);
+
+impl Computed {
+    /// What a finding of a piece says of its rate; computed probabilities of one piece and subject are the same each time.
+    pub fn belief(&self, piece: &Evidence, finding: &Finding) -> Result<Belief, String> {
+        let Measure::Probability { .. } = finding.measure else {
+            return Belief::of_finding(finding);
+        };
+        let key = (piece.id.clone(), finding.subject.clone());
+        let mut known = self.0.borrow_mut();
+        let belief = known.entry(key);
+        belief
+            .or_insert_with(|| Belief::of_finding(finding))
+            .clone()
+    }
 }
 
 impl Belief {

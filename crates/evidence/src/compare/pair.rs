@@ -36,6 +36,16 @@ pub(super) struct Pair {
     places_of_next: OnceCell<Option<Rc<PlannedSide>>>,
     /// The pairs of what each side may be where it has runs without a verdict; none where each run has one.
     ends: Vec<Pair>,
+    /// What is asked for several times and takes long: the answers of this look.
+    answered: Answered,
+}
+
+/// Answers that are worked out once.
+#[derive(Default)]
+struct Answered {
+    p_difference: OnceCell<f64>,
+    p_equivalence: OnceCell<Option<f64>>,
+    probability_within: OnceCell<f64>,
 }
 
 impl Pair {
@@ -60,6 +70,7 @@ impl Pair {
             places: None,
             by_likelihood: OnceCell::new(),
             places_of_next: OnceCell::new(),
+            answered: Answered::default(),
         }
     }
 
@@ -253,8 +264,11 @@ impl Pair {
 
     /// The same if this was the only look.
     pub fn p_difference_once(&self) -> f64 {
-        self.p_difference_at_size()
-            .max(self.by_likelihood().difference)
+        let answer = &self.answered.p_difference;
+        *answer.get_or_init(|| {
+            let at_size = self.p_difference_at_size();
+            at_size.max(self.by_likelihood().difference)
+        })
     }
 
     /// What counts by subject say of it, if it is the only look and each run has a verdict; the ends say it of themselves.
@@ -374,8 +388,11 @@ impl Pair {
 
     /// The same p-value if this was the only look.
     pub fn p_equivalence_once(&self) -> Option<f64> {
-        let at_size = self.p_equivalence_at_size();
-        at_size.map(|p| p.max(self.by_likelihood().equivalence))
+        let answer = &self.answered.p_equivalence;
+        *answer.get_or_init(|| {
+            let at_size = self.p_equivalence_at_size();
+            at_size.map(|p| p.max(self.by_likelihood().equivalence))
+        })
     }
 
     fn p_equivalence_at_size(&self) -> Option<f64> {
@@ -437,6 +454,11 @@ impl Pair {
 
     /// Posterior probability that the difference is below the margin, no more than counts by subject let it be.
     pub fn probability_within(&self) -> f64 {
+        let answer = &self.answered.probability_within;
+        *answer.get_or_init(|| self.find_probability_within())
+    }
+
+    fn find_probability_within(&self) -> f64 {
         if let Some(beyond) = self.over_ends(|end| 1.0 - end.probability_within()) {
             return 1.0 - beyond;
         }

@@ -12,7 +12,9 @@
 //! # Guarantee
 //! Exact at the quantiles, up to the error of the draws, and everywhere if it is that beta distribution; monotone.
 
+use super::uncertain::Places;
 use stats::BetaPosterior;
+use std::cell::OnceCell;
 use std::rc::Rc;
 
 /// Quantiles, ascending, and the beta distribution between them.
@@ -20,6 +22,8 @@ use std::rc::Rc;
 pub(crate) struct Quantiles {
     at: Rc<[f64]>,
     shape: BetaPosterior,
+    /// For means over the distribution, which are taken many times: finding them takes longer than the mean.
+    places: Rc<OnceCell<Places>>,
 }
 
 impl Quantiles {
@@ -28,12 +32,18 @@ impl Quantiles {
         (at.len() > 1).then(|| Self {
             at: at.into(),
             shape,
+            places: Rc::default(),
         })
     }
 
     /// How many quantiles there are; at least two.
     pub fn count(&self) -> usize {
         self.at.len()
+    }
+
+    /// Places of the distribution, for means over it.
+    pub fn places(&self) -> &Places {
+        self.places.get_or_init(|| Places::of(self))
     }
 
     /// The probability of at most this.

@@ -96,20 +96,47 @@ impl Uncertain {
 
 /// The mean of a monotone function over a distribution that is known by quantiles.
 fn mean_over(quantiles: &Quantiles, function: impl Fn(f64) -> f64) -> f64 {
-    let first = 0.5 / quantiles.count() as f64;
-    let tails: f64 = tail(first)
-        .map(|(level, weight)| {
-            weight
-                * (function(quantiles.quantile(level)) + function(quantiles.quantile_upper(level)))
-        })
+    let places = quantiles.places();
+    let tails: f64 = places
+        .tails
+        .iter()
+        .map(|(weight, lower, upper)| weight * (function(*lower) + function(*upper)))
         .sum();
-    let pieces = (quantiles.count() - 1) * PLACES;
-    let weight = (1.0 - 2.0 * first) / pieces as f64;
-    let middle: f64 = (0..pieces)
-        .map(|place| first + (place as f64 + 0.5) * weight)
-        .map(|level| function(quantiles.quantile(level)))
-        .sum();
-    tails + weight * middle
+    let middle: f64 = places.middle.iter().map(|value| function(*value)).sum();
+    tails + places.weight * middle
+}
+
+/// Where a mean over a distribution is taken.
+#[derive(Debug)]
+pub(crate) struct Places {
+    /// The weight of each place of a tail, and where it is in the lower and in the upper one.
+    tails: Vec<(f64, f64, f64)>,
+    /// Between the tails, each of the same weight.
+    middle: Vec<f64>,
+    /// That weight.
+    weight: f64,
+}
+
+impl Places {
+    /// Those of a distribution.
+    pub fn of(quantiles: &Quantiles) -> Self {
+        let first = 0.5 / quantiles.count() as f64;
+        let both = |(level, weight)| {
+            (
+                weight,
+                quantiles.quantile(level),
+                quantiles.quantile_upper(level),
+            )
+        };
+        let pieces = (quantiles.count() - 1) * PLACES;
+        let weight = (1.0 - 2.0 * first) / pieces as f64;
+        let levels = (0..pieces).map(|place| first + (place as f64 + 0.5) * weight);
+        Self {
+            tails: tail(first).map(both).collect(),
+            middle: levels.map(|level| quantiles.quantile(level)).collect(),
+            weight,
+        }
+    }
 }
 
 /// Levels and weights of a tail, from where it begins to its end.

@@ -33,6 +33,10 @@ const PIECES: u32 = 6;
 /// `P(X > x)` for `x` at the mean or above it, given `y = 1 - x` to full precision, and `a, b >=` [`LARGE`].
 pub(super) fn upper_tail(a: f64, b: f64, x: f64, y: f64) -> f64 {
     let density = Density::new(a, b);
+    // It falls from here on: where it is below all numbers, so is what lies beyond.
+    if density.at(x, y) == 0.0 {
+        return 0.0;
+    }
     let slope = (b - 1.0) / y - (a - 1.0) / x;
     let curvature = (a - 1.0) / (x * x) + (b - 1.0) / (y * y);
     let distance = 2.0 * FALL / (slope + (slope * slope + 2.0 * FALL * curvature).sqrt());
