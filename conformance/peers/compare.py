@@ -2,6 +2,7 @@
 """Run the program beside Storm (exact engine), and its statistics beside scipy; fail where they differ.
 
 Usage: .ci/run peers        (installs the peers into .tools/peers, then calls this)
+       compare.py [PROGRAM]  (asked some thousand times; ./corroborate, which sees to its being built each time, takes longer)
 
 For every property of conformance/models that Storm can read, and for the handover's five models, `corroborate check` must
 give bounds that contain Storm's exact value. What Storm cannot read is counted and listed, so that it stays visible.
@@ -18,7 +19,7 @@ import scipy.stats
 import stormpy
 
 ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = ROOT / "corroborate"
+PROGRAM = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "corroborate"
 # Exact elimination of thirty thousand states takes Storm minutes; our own exact method checks it in the ordinary tests.
 TOO_LARGE_FOR_STORM = {"long_chain"}
 

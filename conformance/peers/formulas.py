@@ -2,7 +2,9 @@
 """Judge random formulas on random traces beside RTAMT, in discrete time; fail where the two differ.
 
 Usage: .ci/run peers        (installs the peers into .tools/peers, then calls this)
-       formulas.py [CASES [SEED]]
+       formulas.py JUDGE [CASES [SEED]]
+
+JUDGE is the example `judge` of the crate temporal.
 
 The robustness at the first sample must be the same number, and the verdict its sign. What RTAMT means otherwise than we
 do (as observed of version 0.4.10) is written out in its own terms, so that both judge the same formula:
@@ -20,11 +22,9 @@ import math
 import random
 import subprocess
 import sys
-from pathlib import Path
 
 import rtamt
 
-ROOT = Path(__file__).resolve().parents[2]
 ATOMS = ["p", "q", "r"]
 
 
@@ -88,8 +88,8 @@ def ours(all_cases):
         samples = (",".join(map(str, sample)) for sample in zip(*values.values()))
         samples = [f"{time},{sample}" for time, sample in enumerate(samples)]
         lines.append("\t".join(["discrete", "finite", ",".join(values), text, *samples]))
-    command = ["cargo", "run", "--quiet", "--release", "--package", "corroborate-temporal", "--example", "judge"]
-    done = subprocess.run(command, cwd=ROOT, input="\n".join(lines), capture_output=True, text=True)
+    command = [sys.argv[1]]
+    done = subprocess.run(command, input="\n".join(lines), capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)} failed:\n{done.stderr}")
     return [line.split("\t") for line in done.stdout.splitlines()]
@@ -107,8 +107,8 @@ def theirs(text, values):
 
 
 def main():
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 3_000
-    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    count = int(sys.argv[2]) if len(sys.argv) > 2 else 3_000
+    seed = int(sys.argv[3]) if len(sys.argv) > 3 else 1
     all_cases = list(cases(count, seed))
     passed, failed = 0, 0
     for ((text, their_text), values), (verdict, low, high) in zip(all_cases, ours(all_cases), strict=True):

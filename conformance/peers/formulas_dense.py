@@ -2,7 +2,9 @@
 """Judge random formulas on random signals beside RTAMT, in dense time; fail where the two differ.
 
 Usage: .ci/run peers        (installs the peers into .tools/peers, then calls this)
-       formulas_dense.py [CASES [SEED]]
+       formulas_dense.py JUDGE [CASES [SEED]]
+
+JUDGE is the example `judge` of the crate temporal.
 
 The robustness at the first time must be the same number, and the verdict its sign. What RTAMT means otherwise than we do
 (as observed of version 0.4.10) is written out in our terms, so that both judge the same formula:
@@ -22,11 +24,9 @@ import math
 import random
 import subprocess
 import sys
-from pathlib import Path
 
 import rtamt
 
-ROOT = Path(__file__).resolve().parents[2]
 ATOMS = ["p", "q", "r"]
 # Later than any change: signals end by 40 s, and four nested windows of the past reach 60 s further.
 FOR_EVER_SECS = 200
@@ -91,8 +91,8 @@ def ours(all_cases):
         rows = [*zip(times, *values.values())]
         rows.append((END_SECS, *rows[-1][1:]))
         lines.append("\t".join(["dense", "finite", ",".join(values), text, *(",".join(map(str, row)) for row in rows)]))
-    command = ["cargo", "run", "--quiet", "--release", "--package", "corroborate-temporal", "--example", "judge"]
-    done = subprocess.run(command, cwd=ROOT, input="\n".join(lines), capture_output=True, text=True)
+    command = [sys.argv[1]]
+    done = subprocess.run(command, input="\n".join(lines), capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)} failed:\n{done.stderr}")
     return [line.split("\t") for line in done.stdout.splitlines()]
@@ -109,8 +109,8 @@ def theirs(text, times, values):
 
 
 def main():
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 3_000
-    source = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
+    count = int(sys.argv[2]) if len(sys.argv) > 2 else 3_000
+    source = random.Random(int(sys.argv[3]) if len(sys.argv) > 3 else 1)
     all_cases = [(formula(source, source.choice([1, 2, 3, 4])), signals(source)) for _ in range(count)]
     passed, failed = 0, 0
     for ((text, their_text), (times, values)), (verdict, low, high) in zip(all_cases, ours(all_cases), strict=True):
