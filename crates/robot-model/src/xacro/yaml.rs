@@ -550,8 +550,7 @@ url: package://a/b
 
     #[test]
     fn tags_of_units_anchors_and_merges_are_read() {
-        let text =
-            "a: &x {low: !degrees 180, up: 2}\nb:\n  <<: *x\n  up: 3\nc: !radians 1.5\nd: *x\ne: {<<: *x, up: 4}\n";
+        let text = "a: &x {low: !degrees 180, up: 2}\nb:\n  <<: *x\n  up: 3\nc: !radians 1.5\nd: *x\ne: {<<: *x, up: 4}\n";
         let expected = "{'a': {'low': 3.141592653589793, 'up': 2}, 'b': {'up': 3, 'low': 3.141592653589793}, 'c': 1.5, \
             'd': {'low': 3.141592653589793, 'up': 2}, 'e': {'up': 4, 'low': 3.141592653589793}}";
         assert_eq!(read(text).as_deref(), Ok(expected));

@@ -9,7 +9,7 @@
 //! apart) are left out, since they would only say it again.
 //!
 //! Episodes that are told apart may do many things, of which the finding shows in one. So conditions on names are
-//! added, at most two, that hold for a small share of the time of the episodes that showed it and yet when it shows. Were it to show at any time
+//! added, at most until there are two or one besides two, that hold for a small share of the time of the episodes that showed it and yet when it shows. Were it to show at any time
 //! of its episode with the same chance, the number of episodes in which the conditions hold then would be a sum of independent trials whose
 //! chances are those shares of time (Poisson binomial); the p-value is the chance of as many or more.
 //!
@@ -35,8 +35,9 @@ const KINDS: u64 = 4;
 /// Rules as good as the best that are named.
 const NAMED: usize = 5;
 
-/// Conditions on moments that are added, at most.
-const ADDED: usize = 2;
+/// Conditions that a rule has once those on moments are added, at most; one is added to two as well. More would say when within
+/// a state a finding first shows, and not in which state.
+const MOST_CONDITIONS: usize = 2;
 
 /// All episodes whose recordings are known, by number.
 pub type Recorded = BTreeMap<u64, Moments>;
@@ -271,7 +272,8 @@ impl Search<'_> {
             p_value: 1.0,
         };
         let names = offered.names_at(table, moment);
-        while added.conditions.len() < ADDED {
+        let most_added = MOST_CONDITIONS.saturating_sub(given.len()).max(1);
+        while added.conditions.len() < most_added {
             let have: Vec<Condition> = given.iter().chain(&added.conditions).copied().collect();
             let is_new =
                 |it: &&Condition| have.iter().all(|known| place_of(*known) != place_of(**it));
