@@ -48,8 +48,11 @@ const OF_XACRO: [&str; 9] = [
     "error",
 ];
 
+/// A function of one number.
+type OfOne = fn(f64) -> f64;
+
 /// Those of `math` that take one number and give one.
-const ONE: [(&str, fn(f64) -> f64); 24] = [
+const ONE: [(&str, OfOne); 24] = [
     ("sin", f64::sin),
     ("cos", f64::cos),
     ("tan", f64::tan),
@@ -174,7 +177,7 @@ fn one_number(name: &str, arguments: &[Value]) -> Result<f64, String> {
     }
 }
 
-fn computed(name: &str, compute: fn(f64) -> f64, of: f64) -> Evaluated {
+fn computed(name: &str, compute: OfOne, of: f64) -> Evaluated {
     let value = compute(of);
     if value.is_nan() && !of.is_nan() || value.is_infinite() && of.is_finite() {
         return Err(format!("`{name}` has no value at {of}"));

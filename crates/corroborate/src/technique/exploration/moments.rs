@@ -23,6 +23,9 @@ const MOST_STATES: usize = 256;
 /// Extremes of numbers within combinations that are kept of an episode, at most.
 const MOST_EXTREMES: usize = 2_000;
 
+/// The least and the greatest value of a number, if it had one.
+type Extreme = Option<[f32; 2]>;
+
 /// The code of a value that is not known.
 const UNKNOWN: u16 = u16::MAX;
 
@@ -118,7 +121,7 @@ struct State {
     #[serde(rename = "n")]
     named: Vec<u16>,
     #[serde(rename = "x")]
-    extremes: Vec<Option<[f32; 2]>>,
+    extremes: Vec<Extreme>,
     /// For how long it was there, in seconds.
     #[serde(rename = "s")]
     secs: f32,
@@ -138,7 +141,7 @@ pub struct Moments {
     states: Vec<State>,
     /// Of each named signal the codes that it had, where not all combinations are kept.
     seen: Vec<Vec<u16>>,
-    extremes: Vec<Option<[f32; 2]>>,
+    extremes: Vec<Extreme>,
     /// The numbers in units of time that fell at least once, by their places: what never does is a clock.
     fell: Vec<usize>,
 }
@@ -166,7 +169,7 @@ impl Condition {
     }
 
     /// Whether extremes reach it; true of names.
-    fn is_reached(self, extremes: &[Option<[f32; 2]>]) -> bool {
+    fn is_reached(self, extremes: &[Extreme]) -> bool {
         let of = |place: usize| extremes.get(place).copied().flatten();
         match self {
             Self::Named(..) => true,
@@ -309,12 +312,13 @@ struct Reading<'s> {
     more_names: BTreeMap<usize, Vec<String>>,
     numbers: Vec<Option<SignalIndex>>,
     now: Values,
-    states: BTreeMap<Vec<u16>, (Vec<Option<[f32; 2]>>, f64)>,
+    /// By the codes of names: extremes of numbers, and for how long it was there.
+    states: BTreeMap<Vec<u16>, (Vec<Extreme>, f64)>,
     /// When the last sample was.
     last_secs: Option<f64>,
     overflow: bool,
     seen: Vec<Vec<u16>>,
-    extremes: Vec<Option<[f32; 2]>>,
+    extremes: Vec<Extreme>,
     fell: Vec<usize>,
 }
 
@@ -444,7 +448,7 @@ impl<'s> Reading<'s> {
     }
 }
 
-fn widen(extremes: &mut [Option<[f32; 2]>], values: &[Option<f32>]) {
+fn widen(extremes: &mut [Extreme], values: &[Option<f32>]) {
     for (extreme, value) in extremes.iter_mut().zip(values) {
         if let Some(value) = value {
             let [low, high] = extreme.unwrap_or([*value; 2]);
