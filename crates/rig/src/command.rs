@@ -21,6 +21,7 @@ use evidence::{Asset, DescriptionGap, Tool};
 use host::store::Inputs;
 use host::{BuildId, Cancel};
 pub use outside::OutsideCommand;
+use recording::{Interpolation, SignalSource, TopicMap};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -40,8 +41,10 @@ static FOLDERS: AtomicU64 = AtomicU64::new(0);
 /// A command that is run once an episode.
 pub struct CommandRig {
     command: OutsideCommand,
-    /// The signals that are read.
+    /// The signals that are read: those of the study's words.
     wanted: Vec<String>,
+    /// These and others that the topic map names, for whoever compares or explores recordings.
+    known: Vec<String>,
     tests: Vec<AbstractTest>,
     data: Table,
     room: Room,
@@ -64,8 +67,10 @@ impl CommandRig {
     ) -> Result<Self, Problem> {
         let command = OutsideCommand::new(study, text, stimulus)?;
         has_test(&command, test)?;
+        let wanted = signals_of(study);
         Ok(Self {
-            wanted: signals_of(study),
+            known: known_signals(&command.rules().map, &wanted),
+            wanted,
             tests: vec![command.stimulus().test.clone()],
             data: table_of(&command.settings()),
             room: Room::default(),
@@ -119,7 +124,11 @@ impl CommandRig {
             .command
             .run(Some(stimulus), seed, &recording, interrupt)?;
         let read = match recording.exists() {
-            true => Some(self.command.trace(&self.wanted, &recording)),
+            // What no word reads may be missing.
+            true => Some(
+                (self.command.trace(&self.known, &recording))
+                    .or_else(|_| self.command.trace(&self.wanted, &recording)),
+            ),
             false => None,
         };
         OutsideCommand::remove(&recording);
@@ -333,6 +342,30 @@ fn signals_of(study: &Study) -> Vec<String> {
     });
     let signals: BTreeSet<String> = predicates.flat_map(|it| it.signals()).collect();
     signals.into_iter().collect()
+}
+
+/// The wanted signals, and all others of a topic map that add no row to any of them: values as they are recorded, in topics of
+/// their own or from the messages that all wanted signals of their topic are read from. So what is judged is the same.
+fn known_signals(map: &TopicMap, wanted: &[String]) -> Vec<String> {
+    let topic_of = |name: &str| name.split('.').next().unwrap_or(name).to_owned();
+    let source_of = |name: &str| match &map.find(name)?.0.source {
+        SignalSource::Value { from } => Some(topic_of(from)),
+        _ => None,
+    };
+    let mut known = wanted.to_vec();
+    for name in map.signal_names() {
+        let is_held = map
+            .find(&name)
+            .is_some_and(|(it, _)| it.interpolation == Interpolation::Hold);
+        let Some(source) = source_of(&name).filter(|_| is_held && !wanted.contains(&name)) else {
+            continue;
+        };
+        let mut beside = wanted.iter().filter(|it| topic_of(it) == topic_of(&name));
+        if beside.all(|it| source_of(it).as_ref() == Some(&source)) {
+            known.push(name);
+        }
+    }
+    known
 }
 
 /// Settings as the tables that their dotted keys mean.

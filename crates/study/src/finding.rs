@@ -429,7 +429,8 @@ mod tests {
             assert!(again.starts_with("# my note\n") && again.contains("expected = \"fails\"\n"));
             let mut lines: Vec<&str> = again.lines().collect();
             let mut expected: Vec<&str> = now.lines().collect();
-            (lines.sort_unstable(), expected.sort_unstable());
+            lines.sort_unstable();
+            expected.sort_unstable();
             assert_eq!(lines, expected);
         }
         std::fs::remove_dir_all(&folder).unwrap();

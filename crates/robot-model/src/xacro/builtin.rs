@@ -48,8 +48,11 @@ const OF_XACRO: [&str; 9] = [
     "error",
 ];
 
+/// A function of one number.
+type OfOne = fn(f64) -> f64;
+
 /// Those of `math` that take one number and give one.
-const ONE: [(&str, fn(f64) -> f64); 24] = [
+const ONE: [(&str, OfOne); 24] = [
     ("sin", f64::sin),
     ("cos", f64::cos),
     ("tan", f64::tan),
@@ -174,7 +177,7 @@ fn one_number(name: &str, arguments: &[Value]) -> Result<f64, String> {
     }
 }
 
-fn computed(name: &str, compute: fn(f64) -> f64, of: f64) -> Evaluated {
+fn computed(name: &str, compute: OfOne, of: f64) -> Evaluated {
     let value = compute(of);
     if value.is_nan() && !of.is_nan() || value.is_infinite() && of.is_finite() {
         return Err(format!("`{name}` has no value at {of}"));
@@ -252,6 +255,37 @@ fn of_python(name: &str, arguments: &[Value], named: &Named) -> Evaluated {
         ("float", [of]) => float_of(of).ok_or_else(|| format!("{} is not a number", of.repr())),
         ("int", [of]) => int_of(of),
         ("bool", [of]) => Ok(Value::Bool(of.truth())),
+        ("abs" | "round", _) => of_numbers(name, arguments),
+        ("min" | "max", _) => extreme(name, arguments),
+        ("sorted", [of]) => sorted(of, named),
+        ("reversed", [of]) => Ok(Value::list(elements(of)?.into_iter().rev().collect())),
+        ("range", _) => range(arguments),
+        ("all", [of]) => Ok(Value::Bool(elements(of)?.iter().all(Value::truth))),
+        ("any", [of]) => Ok(Value::Bool(elements(of)?.iter().any(Value::truth))),
+        ("sum" | "enumerate" | "zip", _) => of_lists(name, arguments),
+        ("divmod", [a, b]) => Ok(Value::tuple(vec![
+            super::eval::binary("//", a, b)?,
+            super::eval::binary("%", a, b)?,
+        ])),
+        ("ord", [Value::Text(text)]) if text.chars().count() == 1 => Ok(Value::Int(
+            text.chars().next().map_or(0, |it| i64::from(u32::from(it))),
+        )),
+        ("isinstance", [of, Value::Builtin(kind)]) => Ok(Value::Bool(matches!(
+            (of, *kind),
+            (Value::Bool(_), "bool" | "int")
+                | (Value::Int(_), "int")
+                | (Value::Float(_), "float")
+                | (Value::Text(_), "str")
+                | (Value::List(_, Kind::List), "list")
+                | (Value::List(_, Kind::Tuple), "tuple")
+                | (Value::Dict(_), "dict")
+        ))),
+        _ => Err(wrong(name)),
+    }
+}
+
+fn of_numbers(name: &str, arguments: &[Value]) -> Evaluated {
+    match (name, arguments) {
         ("abs", [Value::Float(value)]) => Ok(Value::Float(value.abs())),
         ("abs", [of]) => {
             let value = of.whole().and_then(i64::checked_abs);
@@ -261,14 +295,14 @@ fn of_python(name: &str, arguments: &[Value], named: &Named) -> Evaluated {
             Some(value) => Ok(Value::Int(value)),
             None => whole_of(one_number(name, arguments)?.round_ties_even()),
         },
-        ("round", [of, Value::Nothing]) => of_python(name, std::slice::from_ref(of), named),
+        ("round", [of, Value::Nothing]) => of_numbers(name, std::slice::from_ref(of)),
         ("round", [of, digits]) => rounded(of, digits),
-        ("min" | "max", _) => extreme(name, arguments),
-        ("sorted", [of]) => sorted(of, named),
-        ("reversed", [of]) => Ok(Value::list(elements(of)?.into_iter().rev().collect())),
-        ("range", _) => range(arguments),
-        ("all", [of]) => Ok(Value::Bool(elements(of)?.iter().all(Value::truth))),
-        ("any", [of]) => Ok(Value::Bool(elements(of)?.iter().any(Value::truth))),
+        _ => Err(wrong(name)),
+    }
+}
+
+fn of_lists(name: &str, arguments: &[Value]) -> Evaluated {
+    match (name, arguments) {
         ("sum", [of]) => {
             let mut sum = Value::Int(0);
             for value in elements(of)? {
@@ -288,23 +322,6 @@ fn of_python(name: &str, arguments: &[Value], named: &Named) -> Evaluated {
                 |place: usize| Value::tuple(lists.iter().map(|it| it[place].clone()).collect());
             Ok(Value::list((0..length).map(row).collect()))
         }
-        ("divmod", [a, b]) => Ok(Value::tuple(vec![
-            super::eval::binary("//", a, b)?,
-            super::eval::binary("%", a, b)?,
-        ])),
-        ("ord", [Value::Text(text)]) if text.chars().count() == 1 => Ok(Value::Int(
-            text.chars().next().map_or(0, |it| i64::from(u32::from(it))),
-        )),
-        ("isinstance", [of, Value::Builtin(kind)]) => Ok(Value::Bool(matches!(
-            (of, *kind),
-            (Value::Bool(_), "bool" | "int")
-                | (Value::Int(_), "int")
-                | (Value::Float(_), "float")
-                | (Value::Text(_), "str")
-                | (Value::List(_, Kind::List), "list")
-                | (Value::List(_, Kind::Tuple), "tuple")
-                | (Value::Dict(_), "dict")
-        ))),
         _ => Err(wrong(name)),
     }
 }

@@ -84,48 +84,49 @@ impl Evaluation<'_> {
                 binary(operator, &a, &b)
             }
             Expr::Compare(first, rest) => self.compare(first, rest),
-            Expr::And(a, b) => {
-                let a = self.of(a)?;
-                if a.truth() { self.of(b) } else { Ok(a) }
-            }
-            Expr::Or(a, b) => {
-                let a = self.of(a)?;
-                if a.truth() { Ok(a) } else { self.of(b) }
-            }
-            Expr::If(parts) => {
-                let [condition, value, otherwise] = &**parts;
-                match self.of(condition)?.truth() {
-                    true => self.of(value),
-                    false => self.of(otherwise),
-                }
-            }
-            Expr::Call(function, arguments, named) => {
-                let function = self.of(function)?;
-                let arguments = self.all(arguments)?;
-                let mut by_name = Vec::new();
-                for (name, value) in named {
-                    by_name.push((name.clone(), self.of(value)?));
-                }
-                builtin::call(&function, arguments, by_name, self.around)
-            }
+            Expr::And(a, b) => match self.of(a)? {
+                a if a.truth() => self.of(b),
+                a => Ok(a),
+            },
+            Expr::Or(a, b) => match self.of(a)? {
+                a if a.truth() => Ok(a),
+                _ => self.of(b),
+            },
+            Expr::If(parts) => match self.of(&parts[0])?.truth() {
+                true => self.of(&parts[1]),
+                false => self.of(&parts[2]),
+            },
+            Expr::Call(function, arguments, named) => self.call(function, arguments, named),
             Expr::Index(of, index) => {
                 let (of, index) = (self.of(of)?, self.of(index)?);
                 self.index(&of, &index)
             }
-            Expr::Slice(of, parts) => {
-                let of = self.of(of)?;
-                let mut part = |place: usize| match &parts[place] {
-                    Some(expr) => self.of(expr).map(Some),
-                    None => Ok(None),
-                };
-                let parts = [part(0)?, part(1)?, part(2)?];
-                slice(&of, &parts)
-            }
+            Expr::Slice(of, parts) => self.slice(of, parts),
             Expr::Attribute(of, name) => {
                 let of = self.of(of)?;
                 self.attribute(&of, name)
             }
         }
+    }
+
+    fn call(&mut self, function: &Expr, arguments: &[Expr], named: &[(String, Expr)]) -> Evaluated {
+        let function = self.of(function)?;
+        let arguments = self.all(arguments)?;
+        let mut by_name = Vec::new();
+        for (name, value) in named {
+            by_name.push((name.clone(), self.of(value)?));
+        }
+        builtin::call(&function, arguments, by_name, self.around)
+    }
+
+    fn slice(&mut self, of: &Expr, parts: &[Option<Expr>; 3]) -> Evaluated {
+        let of = self.of(of)?;
+        let mut part = |place: usize| match &parts[place] {
+            Some(expr) => self.of(expr).map(Some),
+            None => Ok(None),
+        };
+        let parts = [part(0)?, part(1)?, part(2)?];
+        slice(&of, &parts)
     }
 
     fn name(&mut self, name: &str) -> Evaluated {

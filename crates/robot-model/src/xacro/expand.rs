@@ -344,34 +344,11 @@ impl Expander<'_, '_, '_> {
         match word.as_str() {
             "property" => self.define(&child, at),
             "macro" => self.define_macro(child, at),
-            "arg" => {
-                let name = self.required(&child, "name")?.value.clone();
-                let default = self.required(&child, "default")?.clone();
-                if !self.arguments.contains_key(&name) {
-                    let value = self.text_at(&default.value, &default.place, at)?;
-                    self.arguments.insert(name, value);
-                }
-                Ok(())
-            }
+            "arg" => self.declare(&child, at),
             "include" => self.include(parent, &child, at),
             "insert_block" => self.insert(parent, &child, at),
-            "if" | "unless" => {
-                let value = self.required(&child, "value")?.clone();
-                let found = self.at(&value.value, &value.place, at)?;
-                let holds = truth(&found).ok_or_else(|| {
-                    let message = format!(
-                        "the condition is {}, which is neither true nor false",
-                        found.repr()
-                    );
-                    self.problem(&value.place, message, "give true, false or a number")
-                })?;
-                if holds == (word == "if") {
-                    child.attributes.clear();
-                    self.element(&mut child, at)?;
-                    adopt(parent, child);
-                }
-                Ok(())
-            }
+            "if" => self.only_if(parent, child, true, at),
+            "unless" => self.only_if(parent, child, false, at),
             "element" => {
                 let name = self.required(&child, "xacro:name")?.clone();
                 child.name = self.text_at(&name.value, &name.place, at)?;
@@ -381,20 +358,7 @@ impl Expander<'_, '_, '_> {
                 }
                 self.child(parent, child, at)
             }
-            "attribute" => {
-                let (name, value) = (
-                    self.required(&child, "name")?.clone(),
-                    self.required(&child, "value")?.clone(),
-                );
-                let attribute = Attribute {
-                    name: self.text_at(&name.value, &name.place, at)?,
-                    value: self.text_at(&value.value, &value.place, at)?,
-                    place: child.place.clone(),
-                };
-                parent.attributes.retain(|it| it.name != attribute.name);
-                parent.attributes.push(attribute);
-                Ok(())
-            }
+            "attribute" => self.set_attribute(parent, &child, at),
             "call" => {
                 let name = self.required(&child, "macro")?.clone();
                 let called = self.text_at(&name.value, &name.place, at)?;
@@ -403,6 +367,55 @@ impl Expander<'_, '_, '_> {
             }
             _ => self.call(parent, child, &word, at),
         }
+    }
+
+    /// `xacro:arg`: the first value counts.
+    fn declare(&mut self, element: &Element, at: At) -> Expanded<()> {
+        let name = self.required(element, "name")?.value.clone();
+        let default = self.required(element, "default")?.clone();
+        if !self.arguments.contains_key(&name) {
+            let value = self.text_at(&default.value, &default.place, at)?;
+            self.arguments.insert(name, value);
+        }
+        Ok(())
+    }
+
+    /// What is in an element, if its condition is what is wanted.
+    fn only_if(
+        &mut self,
+        parent: &mut Element,
+        mut element: Element,
+        wanted: bool,
+        at: At,
+    ) -> Expanded<()> {
+        let value = self.required(&element, "value")?.clone();
+        let found = self.at(&value.value, &value.place, at)?;
+        let holds = truth(&found).ok_or_else(|| {
+            let message = format!(
+                "the condition is {}, which is neither true nor false",
+                found.repr()
+            );
+            self.problem(&value.place, message, "give true, false or a number")
+        })?;
+        if holds == wanted {
+            element.attributes.clear();
+            self.element(&mut element, at)?;
+            adopt(parent, element);
+        }
+        Ok(())
+    }
+
+    fn set_attribute(&mut self, parent: &mut Element, element: &Element, at: At) -> Expanded<()> {
+        let name = self.required(element, "name")?.clone();
+        let value = self.required(element, "value")?.clone();
+        let attribute = Attribute {
+            name: self.text_at(&name.value, &name.place, at)?,
+            value: self.text_at(&value.value, &value.place, at)?,
+            place: element.place.clone(),
+        };
+        parent.attributes.retain(|it| it.name != attribute.name);
+        parent.attributes.push(attribute);
+        Ok(())
     }
 
     fn required<'n>(&self, element: &'n Element, name: &str) -> Expanded<&'n Attribute> {

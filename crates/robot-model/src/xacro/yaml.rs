@@ -254,7 +254,7 @@ impl Parser<'_> {
         match text.chars().next() {
             None => self.nested(indent, depth),
             Some('[' | '{') => {
-                let text = self.to_closing(text);
+                let text = self.up_to_closing(text);
                 let mut flow = Flow {
                     rest: &text,
                     parser: self,
@@ -284,7 +284,7 @@ impl Parser<'_> {
     }
 
     /// Lines up to where all brackets are closed.
-    fn to_closing(&mut self, text: &str) -> String {
+    fn up_to_closing(&mut self, text: &str) -> String {
         let mut whole = text.to_owned();
         while open_brackets(&whole) > 0 {
             let Some(next) = self.line() else { break };

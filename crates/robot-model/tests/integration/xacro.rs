@@ -350,3 +350,47 @@ fn a_robot_in_xacro_is_loaded_as_the_one_that_it_stands_for() {
     let problems = load("cart.xacro", &template.replace("/ 2", "/ 0")).expect_err("no mass");
     assert_eq!(problems.0.len(), 1, "{problems}");
 }
+
+/// The template that is held against the Python program, and the files that it includes.
+const ARM: &str = include_str!("../../../../tests/robots/templates/urdf/arm.urdf.xacro");
+const PARTS: &str = include_str!("../../../../tests/robots/templates/urdf/parts.xacro");
+const LIMITS: &str = include_str!("../../../../tests/robots/templates/config/limits.yaml");
+
+fn arm(arm: &str, parts: &str, limits: &str) -> Result<String, Problems> {
+    let mut read = |address: &str| match address.rsplit('/').next() {
+        Some("parts.xacro") => Ok(parts.as_bytes().to_vec()),
+        Some("limits.yaml") => Ok(limits.as_bytes().to_vec()),
+        _ => Err("no such file".to_owned()),
+    };
+    expand_xacro("arm.urdf.xacro", arm, &BTreeMap::new(), &mut read)
+}
+
+#[test]
+fn a_whole_robot_becomes_links_and_joints() {
+    let text = arm(ARM, PARTS, LIMITS).unwrap_or_else(|problems| panic!("{problems}"));
+    assert_eq!(text.matches("<link ").count(), 6, "{text}");
+    assert_eq!(text.matches("type=\"revolute\"").count(), 2, "{text}");
+    assert!(!text.contains("xacro"), "{text}");
+    assert!(
+        text.contains("lower=\"-1.5707963267948966\" upper=\"1.5707963267948966\" effort=\"10\""),
+        "{text}"
+    );
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::test_runner::Config::with_cases(300))]
+    #[test]
+    fn damaged_templates_are_refused_or_expanded_and_never_hang(
+        which in 0..3_usize, at in 0.0..1.0_f64, length in 0..12_usize,
+        put in proptest::sample::select(vec!["", "${", "}", "$(", "*", "'", "[", "- ", ": ", "<", "/>", "^|", "**", "&a ", "if "]),
+    ) {
+        let mut texts = [ARM.to_owned(), PARTS.to_owned(), LIMITS.to_owned()];
+        let text = &mut texts[which];
+        let from = (at * text.len() as f64) as usize;
+        let to = (from + length).min(text.len());
+        text.replace_range(from..to, put);
+        if let Err(problems) = arm(&texts[0], &texts[1], &texts[2]) {
+            proptest::prop_assert!(problems.0.iter().all(|it| it.place.line > 0 && !it.remedy.is_empty()));
+        }
+    }
+}

@@ -6,10 +6,10 @@
 //! is asked whether the rule held at that moment, or just before it (at the last sample of an earlier time); of every
 //! other whole episode whether it *ever* held. A rule separates by how far these two shares lie apart: the two-sided p-value of
 //! Fisher's exact test. Signals that define the finding (that its requirement reads, or by which abstract states are told
-//! apart) are left out, since they would only say it again.
+//! apart) are left out, since they would only say it again; so are clocks, numbers in a unit of time that never fall.
 //!
 //! Episodes that are told apart may do many things, of which the finding shows in one. So conditions on names are
-//! added, at most two, that hold for a small share of the time of the episodes that showed it and yet when it shows. Were it to show at any time
+//! added, at most until there are two or one besides two, that hold for a small share of the time of the episodes that showed it and yet when it shows. Were it to show at any time
 //! of its episode with the same chance, the number of episodes in which the conditions hold then would be a sum of independent trials whose
 //! chances are those shares of time (Poisson binomial); the p-value is the chance of as many or more.
 //!
@@ -24,7 +24,7 @@
 //! # Cost
 //! O(rules × other episodes × combinations of an episode).
 
-use super::moments::{Condition, Moments, Signals, Values};
+use super::moments::{Condition, Moments, Number, Signals, Values};
 use evidence::{Distinction, SignalRelation, SignalTerm};
 use stats::{Confidence, Sample, fisher_exact};
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,8 +35,9 @@ const KINDS: u64 = 4;
 /// Rules as good as the best that are named.
 const NAMED: usize = 5;
 
-/// Conditions on moments that are added, at most.
-const ADDED: usize = 2;
+/// Conditions that a rule has once those on moments are added, at most; one is added to two as well. More would say when within
+/// a state a finding first shows, and not in which state.
+const MOST_CONDITIONS: usize = 2;
 
 /// All episodes whose recordings are known, by number.
 pub type Recorded = BTreeMap<u64, Moments>;
@@ -97,7 +98,7 @@ impl Search<'_> {
         if table.shown.is_empty() {
             return Err("its episodes left no recording".to_owned());
         }
-        let offered = Offered::new(self.signals, defining, table.shown.len());
+        let offered = Offered::new(self, defining, table.shown.len());
         let mut rules: Vec<Rule> = Vec::new();
         for moment in [0, 1] {
             self.rules(&table, &offered, moment, &mut rules);
@@ -271,7 +272,8 @@ impl Search<'_> {
             p_value: 1.0,
         };
         let names = offered.names_at(table, moment);
-        while added.conditions.len() < ADDED {
+        let most_added = MOST_CONDITIONS.saturating_sub(given.len()).max(1);
+        while added.conditions.len() < most_added {
             let have: Vec<Condition> = given.iter().chain(&added.conditions).copied().collect();
             let is_new =
                 |it: &&Condition| have.iter().all(|known| place_of(*known) != place_of(**it));
@@ -510,7 +512,12 @@ struct Offered {
 }
 
 impl Offered {
-    fn new(signals: &Signals, defining: &BTreeSet<String>, shown: usize) -> Self {
+    fn new(search: &Search<'_>, defining: &BTreeSet<String>, shown: usize) -> Self {
+        let signals = search.signals;
+        // What is measured in time and never falls is a clock: it says when, and not what was done.
+        let is_clock = |place: usize, of: &Number| {
+            of.is_time && !search.recorded.values().any(|it| it.has_fallen(place))
+        };
         let is_free = |signal: &str| !defining.contains(signal);
         let named = signals.named.iter().enumerate();
         let named: Vec<usize> = named
@@ -519,7 +526,7 @@ impl Offered {
             .collect();
         let numbers = signals.numbers.iter().enumerate();
         let numbers: Vec<usize> = numbers
-            .filter(|(_, it)| is_free(&it.signal))
+            .filter(|(place, it)| is_free(&it.signal) && !is_clock(*place, it))
             .map(|(place, _)| place)
             .collect();
         let names: u64 = named
@@ -590,185 +597,4 @@ impl Offered {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use trace::{Field, Trace};
-
-    const STATES: [&str; 4] = ["idle", "reach", "carry", "place"];
-
-    fn layout() -> Trace {
-        let mut trace = Trace::new();
-        let fields = vec![
-            Field::enumeration("state", STATES),
-            Field::bool("full"),
-            Field::bool("lamp"),
-            Field::number("load", "kg"),
-            Field::bool("dropped"),
-        ];
-        trace.add_channel("/cell", fields).expect("a new topic");
-        trace
-    }
-
-    /// Numbers that look random, the same each time.
-    struct Drawn(u64);
-
-    impl Drawn {
-        fn below(&mut self, n: u64) -> u64 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 33) % n
-        }
-    }
-
-    /// An episode of a cell: its number, the row, and the row's values.
-    type Drops<'d> = &'d mut dyn FnMut(u64, u32, &[f64; 5]) -> bool;
-
-    /// Episodes of a cell whose state goes through all four, in a mode and with a load that are drawn; `drops` says at which
-    /// rows it shows the finding.
-    fn cells(count: u64, start: u64, drops: Drops<'_>) -> (Signals, Recorded, Vec<(u64, f64)>) {
-        let layout = layout();
-        let signals = Signals::of(&layout);
-        let (mut recorded, mut showed) = (Recorded::new(), Vec::new());
-        let mut drawn = Drawn(start);
-        for episode in 1..=count {
-            let mut trace = layout.clone();
-            trace.complete = true;
-            let full = drawn.below(2) as f64;
-            let load = drawn.below(1000) as f64 / 100.0;
-            let mut first = None;
-            for row in 0..8_u32 {
-                let mut values = [f64::from(row / 2), full, drawn.below(2) as f64, load, 0.0];
-                if drops(episode, row, &values) && first.is_none() {
-                    first = Some(f64::from(row));
-                    values[4] = 1.0;
-                }
-                let pushed = trace.channels[0].push(f64::from(row), &values);
-                pushed.expect("in order");
-            }
-            let times: Vec<f64> = first.into_iter().collect();
-            recorded.insert(episode, Moments::of(&signals, &trace, &times));
-            showed.extend(first.map(|secs| (episode, secs)));
-        }
-        (signals, recorded, showed)
-    }
-
-    fn told(of: &(Signals, Recorded, Vec<(u64, f64)>)) -> Told {
-        let (signals, recorded, showed) = of;
-        let level = Confidence::new(0.95).expect("a level");
-        let search = Search {
-            signals,
-            recorded,
-            level,
-        };
-        search.of(showed, &BTreeSet::from(["/cell.dropped".to_owned()]))
-    }
-
-    #[test]
-    fn the_state_and_the_mode_that_were_planted_are_told_with_their_counts() {
-        let cells = cells(80, 5, &mut |_, _, values| {
-            values[0] == 2.0 && values[1] == 1.0
-        });
-        let showed = cells.2.len() as u64;
-        assert!((25..55).contains(&showed), "{showed}");
-        let found = told(&cells).expect("a rule");
-        // Every episode carries; those that showed it were full, and showed it while they carried.
-        assert_eq!(
-            found.rule_in_words(),
-            "/cell.state = carry and /cell.full = true"
-        );
-        assert_eq!(found.shown, [showed, showed]);
-        assert_eq!(found.elsewhere, [0, 80 - showed]);
-        assert!(!found.just_before && found.p_value < Some(1e-10));
-        assert!(found.moment_p_value < Some(1e-10), "{found:?}");
-        // Two of the seven seconds between eight samples.
-        let share = found.share_of_time.expect("a share");
-        assert!((share - 2.0 / 7.0).abs() < 1e-6, "{share}");
-        let words = found.in_words();
-        let expected =
-            "always and only while /cell.state = carry and /cell.full = true (when it shows in";
-        assert!(words.starts_with(expected), "{words}");
-    }
-
-    #[test]
-    fn what_all_episodes_show_is_told_by_its_moments_alone() {
-        let cells = cells(20, 6, &mut |_, _, values| values[0] == 2.0);
-        assert_eq!(cells.2.len(), 20);
-        let found = told(&cells).expect("a rule");
-        assert_eq!(found.rule_in_words(), "/cell.state = carry");
-        assert_eq!((found.p_value, found.elsewhere), (None, [0, 0]));
-        assert!(found.moment_p_value < Some(1e-6), "{found:?}");
-    }
-
-    #[test]
-    fn a_number_is_cut_where_it_separates_with_few_digits() {
-        let (mut least, mut greatest) = (f64::INFINITY, 0.0_f64);
-        let cells = cells(60, 7, &mut |_, _, values| {
-            match values[3] > 6.0 {
-                true => least = least.min(values[3]),
-                false => greatest = greatest.max(values[3]),
-            }
-            values[0] == 1.0 && values[3] > 6.0
-        });
-        let found = told(&cells).expect("a rule");
-        let mut terms = found.terms.iter();
-        let load = terms.find(|it| it.signal == "/cell.load").expect("a cut");
-        assert_eq!(load.relation, SignalRelation::AtLeast);
-        let cut: f64 = load.value.parse().expect("a number");
-        assert!(
-            greatest < cut && cut <= least && load.unit == "kg",
-            "{load}"
-        );
-        assert!(load.value.len() <= 4, "{load}");
-        assert!(
-            found
-                .terms
-                .iter()
-                .any(|it| it.to_string() == "/cell.state = reach"),
-            "{found:?}"
-        );
-        assert_eq!(found.elsewhere[0], 0, "{found:?}");
-    }
-
-    #[test]
-    fn what_comes_by_chance_is_told_by_no_rule() {
-        // In each episode with a chance of three in ten, at a row that is drawn, whatever the cell does.
-        let mut claimed = 0;
-        for start in 0..60_u64 {
-            let cells = cells(40, start, &mut |episode, row, _| {
-                let mut chance = Drawn(start * 7_919 + episode * 104_729);
-                chance.below(10);
-                chance.below(10) < 3 && chance.below(8) == u64::from(row)
-            });
-            assert!(cells.2.len() >= 3, "{start}");
-            claimed += u32::from(told(&cells).is_ok());
-        }
-        // At most one in ten is expected, of episodes and of moments; by chance more than this come once in ten thousand times.
-        assert!(claimed <= 15, "{claimed}");
-    }
-
-    #[test]
-    fn an_episode_that_was_cut_short_is_not_held_against_a_rule() {
-        let mut cells = cells(40, 8, &mut |_, _, values| {
-            values[0] == 2.0 && values[1] == 1.0
-        });
-        let showed: BTreeSet<u64> = cells.2.iter().map(|(episode, _)| *episode).collect();
-        for (number, moments) in &mut cells.1 {
-            moments.is_whole = showed.contains(number);
-        }
-        let found = told(&cells).expect("a rule of moments");
-        assert_eq!((found.elsewhere, found.p_value), ([0, 0], None));
-    }
-
-    #[test]
-    fn the_chance_of_as_many_is_that_of_independent_trials() {
-        // By hand: of chances 1/2 and 1/4 both succeed in 1/8, one or more in 5/8.
-        assert_eq!(at_least(2, &[0.5, 0.25]), 0.125);
-        assert_eq!(at_least(1, &[0.5, 0.25]), 0.625);
-        assert_eq!(at_least(0, &[0.5, 0.25]), 1.0);
-        assert_eq!(at_least(1, &[]), 0.0);
-        // The binomial: 1 - 0.9^10 of at least one of ten at a tenth.
-        assert!((at_least(1, &[0.1; 10]) - (1.0 - 0.9_f64.powi(10))).abs() < 1e-12);
-    }
-}
+mod tests;

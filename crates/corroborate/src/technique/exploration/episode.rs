@@ -14,7 +14,7 @@ use campaign::Situation;
 use diagnostic::Problem;
 use evidence::{FailureKind, Subject};
 use host::Cancel;
-use judging::{Judges, SpaceTime};
+use judging::{Judgement, Judges, SpaceTime};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -155,7 +155,7 @@ impl Watching<'_> {
                 }),
             };
         }
-        let mut shown = Shown {
+        let shown = Shown {
             failed,
             simulated_secs: recorded.sim_secs,
             lcov: self.lcov(seed),
@@ -163,11 +163,20 @@ impl Watching<'_> {
             ..Shown::default()
         };
         let judged = on_line.finish(recorded.trace.complete)?;
-        shown.end_secs = recorded.trace.end_secs().unwrap_or(0.0);
-        for judgement in judged.into_iter().flatten() {
-            if judgement.reading.is_some() {
-                continue;
-            }
+        let judged = judged.into_iter().flatten().collect();
+        self.looked_at(shown, &recorded.trace, judged, for_the_sake_of)
+    }
+
+    /// What there is to see in a recording.
+    fn looked_at(
+        &self,
+        mut shown: Shown,
+        trace: &Trace,
+        judged: Vec<Judgement<'_>>,
+        for_the_sake_of: Option<&str>,
+    ) -> Result<Shown, Problem> {
+        shown.end_secs = trace.end_secs().unwrap_or(0.0);
+        for judgement in judged.into_iter().filter(|it| it.reading.is_none()) {
             let findings = judgement.findings;
             let id = judgement.subject.id().to_owned();
             if findings.triggered > 0 {
@@ -186,15 +195,15 @@ impl Watching<'_> {
             }
         }
         if let Some(searched) = for_the_sake_of.and_then(|id| self.searched.get(id)) {
-            shown.robustness = searched.of(&recorded.trace)?;
+            shown.robustness = searched.of(trace)?;
         }
         if let Some(abstraction) = self.abstraction {
-            shown.abstracted = abstraction.of_trace(&recorded.trace)?;
+            shown.abstracted = abstraction.of_trace(trace)?;
             let unknown = abstraction.unknown_at(&shown.abstracted).into_iter();
             (shown.unknown, shown.unknown_secs) = unknown.unzip();
         }
-        shown.over_secs = self.over_secs(&shown, &recorded.trace)?;
-        shown.moments = Moments::of(&self.signals, &recorded.trace, &shown.times());
+        shown.over_secs = self.over_secs(&shown, trace)?;
+        shown.moments = Moments::of(&self.signals, trace, &shown.times());
         Ok(shown)
     }
 

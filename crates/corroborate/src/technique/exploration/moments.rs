@@ -14,6 +14,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use trace::units::{Dimension, Unit};
 use trace::{FieldKind, Replay, SignalIndex, SignalValues, Trace};
 
 /// Combinations that are kept of an episode, at most.
@@ -21,6 +22,9 @@ const MOST_STATES: usize = 256;
 
 /// Extremes of numbers within combinations that are kept of an episode, at most.
 const MOST_EXTREMES: usize = 2_000;
+
+/// The least and the greatest value of a number, if it had one.
+type Extreme = Option<[f32; 2]>;
 
 /// The code of a value that is not known.
 const UNKNOWN: u16 = u16::MAX;
@@ -43,6 +47,8 @@ pub struct Number {
     pub signal: String,
     /// Its unit.
     pub unit: String,
+    /// Whether that is one of time, so that it may be a clock.
+    pub is_time: bool,
 }
 
 /// The signals of a bench's recordings.
@@ -64,7 +70,13 @@ impl Signals {
                 let names = match &field.kind {
                     FieldKind::Number => {
                         let unit = field.unit.clone();
-                        signals.numbers.push(Number { signal, unit });
+                        let parsed = unit.parse::<Unit>();
+                        let is_time = parsed.is_ok_and(|it| it.dimension() == Dimension::TIME);
+                        signals.numbers.push(Number {
+                            signal,
+                            unit,
+                            is_time,
+                        });
                         continue;
                     }
                     FieldKind::Bool => vec!["false".to_owned(), "true".to_owned()],
@@ -109,7 +121,7 @@ struct State {
     #[serde(rename = "n")]
     named: Vec<u16>,
     #[serde(rename = "x")]
-    extremes: Vec<Option<[f32; 2]>>,
+    extremes: Vec<Extreme>,
     /// For how long it was there, in seconds.
     #[serde(rename = "s")]
     secs: f32,
@@ -129,7 +141,9 @@ pub struct Moments {
     states: Vec<State>,
     /// Of each named signal the codes that it had, where not all combinations are kept.
     seen: Vec<Vec<u16>>,
-    extremes: Vec<Option<[f32; 2]>>,
+    extremes: Vec<Extreme>,
+    /// The numbers in units of time that fell at least once, by their places: what never does is a clock.
+    fell: Vec<usize>,
 }
 
 /// A condition on one signal, by its place among the named signals or the numbers.
@@ -155,7 +169,7 @@ impl Condition {
     }
 
     /// Whether extremes reach it; true of names.
-    fn is_reached(self, extremes: &[Option<[f32; 2]>]) -> bool {
+    fn is_reached(self, extremes: &[Extreme]) -> bool {
         let of = |place: usize| extremes.get(place).copied().flatten();
         match self {
             Self::Named(..) => true,
@@ -245,6 +259,11 @@ impl Moments {
         self.at.iter().find(|moment| moment.secs == secs)
     }
 
+    /// Whether a number in a unit of time ever fell.
+    pub fn has_fallen(&self, place: usize) -> bool {
+        self.fell.contains(&place)
+    }
+
     /// For which share of the episode conditions on names held together; 1 where that is not known.
     pub fn share_of_time(&self, conditions: &[Condition]) -> f64 {
         let is_known = self.seen.is_empty() && !conditions.iter().any(Condition::is_of_number);
@@ -293,12 +312,14 @@ struct Reading<'s> {
     more_names: BTreeMap<usize, Vec<String>>,
     numbers: Vec<Option<SignalIndex>>,
     now: Values,
-    states: BTreeMap<Vec<u16>, (Vec<Option<[f32; 2]>>, f64)>,
+    /// By the codes of names: extremes of numbers, and for how long it was there.
+    states: BTreeMap<Vec<u16>, (Vec<Extreme>, f64)>,
     /// When the last sample was.
     last_secs: Option<f64>,
     overflow: bool,
     seen: Vec<Vec<u16>>,
-    extremes: Vec<Option<[f32; 2]>>,
+    extremes: Vec<Extreme>,
+    fell: Vec<usize>,
 }
 
 impl<'s> Reading<'s> {
@@ -340,6 +361,7 @@ impl<'s> Reading<'s> {
             overflow: false,
             seen: vec![Vec::new(); signals.named.len()],
             extremes: vec![None; signals.numbers.len()],
+            fell: Vec::new(),
         }
     }
 
@@ -363,8 +385,13 @@ impl<'s> Reading<'s> {
                 .and_then(|it| codes.get(it).copied())
                 .unwrap_or(UNKNOWN);
         }
-        for (value, place) in self.now.numbers.iter_mut().zip(&self.numbers) {
+        let numbers = self.now.numbers.iter_mut().zip(&self.numbers);
+        for (at, (value, place)) in numbers.enumerate() {
             let raw = place.map_or(f64::NAN, |place| replay.raw(place)) as f32;
+            let has_fallen = value.is_some_and(|before| raw < before);
+            if has_fallen && self.signals.numbers[at].is_time && !self.fell.contains(&at) {
+                self.fell.push(at);
+            }
             *value = raw.is_finite().then_some(raw);
         }
         for (seen, value) in self.seen.iter_mut().zip(&self.now.named) {
@@ -416,11 +443,12 @@ impl<'s> Reading<'s> {
             states: states.collect(),
             seen: if self.overflow { self.seen } else { Vec::new() },
             extremes: self.extremes,
+            fell: self.fell,
         }
     }
 }
 
-fn widen(extremes: &mut [Option<[f32; 2]>], values: &[Option<f32>]) {
+fn widen(extremes: &mut [Extreme], values: &[Option<f32>]) {
     for (extreme, value) in extremes.iter_mut().zip(values) {
         if let Some(value) = value {
             let [low, high] = extreme.unwrap_or([*value; 2]);
