@@ -53,7 +53,11 @@ pub(super) fn stand(
 ) -> PieceStanding {
     let (p_not_met, p_met) = doubts(belief, threshold);
     let limits = limits::limits(belief, threshold, levels);
-    let standing = standing(p_not_met, p_met, levels);
+    let contradicted = contradicted(belief, threshold, (p_not_met, p_met), levels);
+    let standing = match contradicted {
+        Some(_) => Standing::Neither,
+        None => standing(p_not_met, p_met, levels),
+    };
     PieceStanding {
         evidence: named.id.to_owned(),
         step: named.step,
@@ -71,6 +75,7 @@ pub(super) fn stand(
             threshold,
             (p_not_met, p_met),
             (limits, levels),
+            contradicted,
         ) + &all_kinds_met(belief, threshold, standing, levels)
             + &better_without_one(belief, threshold, levels),
     }
@@ -120,6 +125,26 @@ pub(super) fn standing(p_not_met: f64, p_met: f64, levels: ClaimLevels) -> Stand
         (true, false) => Standing::Supports,
         (false, true) => Standing::Denies,
         (true, true) | (false, false) => Standing::Neither,
+    }
+}
+
+/// The p-value with which an earlier look showed the contrary of what all trials show now. Looks that contradict each other
+/// decide nothing: trials of one rate hardly ever do, so these may be of several.
+fn contradicted(
+    belief: &Belief,
+    threshold: Threshold,
+    (p_not_met, p_met): (f64, f64),
+    levels: ClaimLevels,
+) -> Option<f64> {
+    let (p_below, p_at_least) = over_looks::least_before(belief, threshold.value);
+    let (p_not_met_then, p_met_then) = match threshold.direction {
+        Direction::AtLeast => (p_below, p_at_least),
+        Direction::AtMost => (p_at_least, p_below),
+    };
+    match standing(p_not_met, p_met, levels) {
+        Standing::Supports => Some(p_met_then).filter(|p| *p <= levels.missed),
+        Standing::Denies => Some(p_not_met_then).filter(|p| *p <= levels.met),
+        Standing::Neither => None,
     }
 }
 

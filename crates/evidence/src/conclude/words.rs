@@ -1,7 +1,6 @@
 //! The figures of a verdict in words. A limit is rounded away from its threshold's side, so that it never seems to lie on
 //! the other one.
 
-use super::CERTAINTY;
 use super::stand::ClaimLevels;
 use crate::compare::Belief;
 use crate::compare::words::{p_value, percent, probability};
@@ -17,6 +16,7 @@ pub(super) fn piece(
     threshold: Threshold,
     (p_not_met, p_met): (f64, f64),
     (limits, levels): (Interval, ClaimLevels),
+    contradicted: Option<f64>,
 ) -> String {
     let leans_to_met = p_not_met <= p_met;
     match belief {
@@ -48,24 +48,14 @@ pub(super) fn piece(
                 Some(_) => " at every look",
                 None => "",
             };
-            let contrary = p_not_met.max(p_met);
-            let contradicted = match p_not_met <= levels.met && p_met <= levels.missed {
-                true => format!(
+            let contradicted = contradicted.map_or(String::new(), |contrary| {
+                format!(
                     "; an earlier look showed the contrary (p {} against {}), and looks that contradict each other \
                      decide nothing",
                     p_value(contrary),
                     hypothesis(threshold, leans_to_met)
-                ),
-                false => String::new(),
-            };
-            let is_shown = p <= level && contradicted.is_empty();
-            if is_shown && !lies_beyond(limits, threshold, leans_to_met) {
-                return format!(
-                    "{id}: {counts}; an earlier look showed it (p {} against {})",
-                    p_value(p),
-                    hypothesis(threshold, !leans_to_met)
-                );
-            }
+                )
+            });
             if is_none(limits, threshold, leans_to_met) {
                 return format!(
                     "{id}: {counts}, no limit shown on this side at {}{at} (p {} against {}){contradicted}",
@@ -200,15 +190,6 @@ fn is_none(limits: Interval, threshold: Threshold, leans_to_met: bool) -> bool {
     match (threshold.direction == Direction::AtLeast) == leans_to_met {
         true => limits.low <= 0.0,
         false => limits.high >= 1.0,
-    }
-}
-
-/// Whether the limit toward which a piece leans is on the side of the threshold that it claims.
-fn lies_beyond(limits: Interval, threshold: Threshold, leans_to_met: bool) -> bool {
-    let is_lower = (threshold.direction == Direction::AtLeast) == leans_to_met;
-    match is_lower {
-        true => limits.low >= threshold.value - CERTAINTY,
-        false => limits.high <= threshold.value + CERTAINTY,
     }
 }
 

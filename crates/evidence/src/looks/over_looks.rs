@@ -19,7 +19,19 @@ use stats::{
 
 /// p-values of "the rate is below the threshold" and "the rate is at least as high"; 1 of what is not counted.
 pub(crate) fn doubts(belief: &Belief, threshold: f64) -> (f64, f64) {
+    doubts_of(&looks(belief), threshold)
+}
+
+/// The least of both at any look before this one: what was shown then, whether or not all trials together show it.
+pub(crate) fn least_before(belief: &Belief, threshold: f64) -> (f64, f64) {
     let looks = looks(belief);
+    let before = (1..looks.len()).map(|count| doubts_of(&looks[..count], threshold));
+    before.fold((1.0, 1.0), |least, one| {
+        (least.0.min(one.0), least.1.min(one.1))
+    })
+}
+
+fn doubts_of(looks: &[CountsAtLook], threshold: f64) -> (f64, f64) {
     if looks.iter().all(CountsAtLook::is_independent) {
         let samples: Vec<Sample> = looks.iter().map(|look| look.sample).collect();
         let now = looks.last();
