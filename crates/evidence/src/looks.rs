@@ -309,7 +309,11 @@ impl Belief {
             return self.ends().get(place % self.ends().len()).cloned();
         };
         // The lowest stands at even places, the highest at odd ones.
-        let more = if place % 2 == 0 { 0 } else { undecided };
+        let more = if place.is_multiple_of(2) {
+            0
+        } else {
+            undecided
+        };
         let trials = sample.trials.checked_add(undecided)?;
         let worth = effective.trials * trials as f64 / sample.trials as f64;
         Belief::of_counts(sample.successes + more, trials, Some(worth)).ok()

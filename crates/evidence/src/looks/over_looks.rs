@@ -4,9 +4,8 @@
 //! Of independent trials the p-values are those of `stats::continued_above` and `continued_below`, exact at every look.
 //! Of correlated trials each look has the p-value of the test of correlated trials, and its information is the number of
 //! trials at the design effect of today. A look's p-value is also that of its counts by subject, whichever is greater.
-//! A first stage of few subjects, and later ones where what speaks against the hypothesis is rare if it is true, are judged by the
-//! exact distribution of their successes, since one person more is no normal increment: `stats::continued_clusters_above`. The
-//! limits of the rate are where the p-value is the error.
+//! Where a few subjects are added, they are mostly a stage judged by the exact distribution of their successes, since one person
+//! more is no normal increment: `stats::continued_clusters_above` says when. The limits of the rate are where the p-value is the error.
 //!
 //! # Guarantee
 //! Of `stats::continuation`: exact for independent trials, approximate for correlated ones.
