@@ -163,7 +163,8 @@ fn a_study_whose_values_are_right_accuses_none_of_them() {
 
 #[test]
 fn a_wrong_value_is_named_by_its_line_with_the_right_one() {
-    let cases: [(&[(&str, &str, &str)], &str, &str, &str); 5] = [
+    type Edit<'t> = (&'t str, &'t str, &'t str);
+    let cases: [(&[Edit<'_>], &str, &str, &str); 5] = [
         // Millimetres written as centimetres.
         (
             &[("parameters.toml", "40 mm", "40 cm")],
