@@ -443,6 +443,29 @@ fn beta_of(mean: f64, quantiles: &[f64]) -> Option<BetaPosterior> {
     BetaPosterior::new(mean * size, (1.0 - mean) * size).ok()
 }
 
+/// Beliefs that tests of comparisons share.
+#[cfg(test)]
+pub(super) mod samples {
+    use super::{Belief, Interval};
+
+    /// Independent trials.
+    pub fn counts(successes: u64, trials: u64) -> Belief {
+        Belief::of_counts(successes, trials, None).expect("counts")
+    }
+
+    /// A computed probability.
+    pub fn known(value: f64) -> Belief {
+        Belief::Known {
+            value,
+            bounds: Interval {
+                low: value,
+                high: value,
+            },
+            is_range: false,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

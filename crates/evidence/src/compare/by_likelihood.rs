@@ -262,6 +262,7 @@ fn sum_of_squares(first: &Side<'_>, second: &Side<'_>, distance: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::belief::samples::{counts, known};
     use super::super::by_cluster::ByCluster;
     use super::super::pair::Pair;
     use super::*;
@@ -278,21 +279,6 @@ mod tests {
     fn belief(people: &[Sample]) -> Belief {
         let measure = Measure::of_clusters(people, Confidence::P95).expect("counts");
         Belief::of(&measure).expect("a belief")
-    }
-
-    fn independent(successes: u64, trials: u64) -> Belief {
-        Belief::of_counts(successes, trials, None).expect("counts")
-    }
-
-    fn known(value: f64) -> Belief {
-        Belief::Known {
-            value,
-            bounds: Interval {
-                low: value,
-                high: value,
-            },
-            is_range: false,
-        }
     }
 
     const TEN: [(u64, u64); 10] = [
@@ -333,7 +319,7 @@ mod tests {
         people.extend(vec![(0, 2); 50]);
         let first = of_people(&people);
         let (a, n, b, m) = (1000.0, 1400.0, 330.0, 500.0);
-        let found = PairByLikelihood::of(&first, &independent(330, 500), 0.1);
+        let found = PairByLikelihood::of(&first, &counts(330, 500), 0.1);
         let ln = |k: f64, n: f64, rate: f64| k * rate.ln() + (n - k) * (1.0 - rate).ln();
         let pooled = (a + b) / (n + m);
         let ratio = ln(a, n, a / n) + ln(b, m, b / m) - ln(a, n, pooled) - ln(b, m, pooled);
@@ -342,7 +328,7 @@ mod tests {
             (found.difference / expected - 1.0).abs() < 0.03,
             "{found:?} {expected}"
         );
-        let swapped = PairByLikelihood::of(&independent(330, 500), &first, 0.1);
+        let swapped = PairByLikelihood::of(&counts(330, 500), &first, 0.1);
         assert!((swapped.difference / found.difference - 1.0).abs() < 1e-3);
         assert!((swapped.equivalence / found.equivalence - 1.0).abs() < 1e-3);
     }
@@ -351,11 +337,8 @@ mod tests {
     fn without_counts_by_subject_it_claims_nothing() {
         let none = PairByLikelihood::default();
         assert_eq!((none.difference, none.equivalence), (0.0, 0.0));
-        for other in [independent(80, 100), known(0.9)] {
-            assert_eq!(
-                PairByLikelihood::of(&independent(90, 100), &other, 0.1),
-                none
-            );
+        for other in [counts(80, 100), known(0.9)] {
+            assert_eq!(PairByLikelihood::of(&counts(90, 100), &other, 0.1), none);
         }
         // Of people whose trials all came out alike nothing tells how alike they are.
         let alike = of_people(&[(10, 10), (10, 10), (10, 10)]);
@@ -365,7 +348,7 @@ mod tests {
     /// Estimates that are the margin or more apart speak for no agreement.
     #[test]
     fn what_lies_beyond_the_margin_does_not_agree() {
-        for other in [independent(70, 100), known(0.7)] {
+        for other in [counts(70, 100), known(0.7)] {
             let found = PairByLikelihood::of(&of_people(&TEN), &other, 0.1);
             assert!(found.equivalence > 0.5, "{found:?}");
         }
@@ -416,7 +399,7 @@ mod tests {
             let them = belief(&uniform.people(12, 10, 0.85, 0.3));
             let mut simulated = |rate: f64| {
                 let sample = uniform.sample(400, rate);
-                independent(sample.successes, sample.trials)
+                counts(sample.successes, sample.trials)
             };
             let same = Pair::new(them.clone(), simulated(0.85), 0.1);
             differ += u32::from(same.p_difference() <= 0.05);

@@ -341,29 +341,8 @@ fn partitions(count: usize, found: &mut dyn FnMut(&[u32])) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::belief::samples::{counts, known};
     use super::*;
-
-    fn counts(successes: u64, trials: u64) -> Belief {
-        let sample = Sample { successes, trials };
-        Belief::Counts {
-            clusters: None,
-            sample,
-            effective: sample.into(),
-            before: None,
-            completions: None,
-        }
-    }
-
-    fn known(value: f64) -> Belief {
-        Belief::Known {
-            value,
-            bounds: Interval {
-                low: value,
-                high: value,
-            },
-            is_range: false,
-        }
-    }
 
     /// All pairs of each group, with their corrected p-values.
     fn correct(groups: &[(&'static str, Vec<Belief>)]) -> Vec<(f64, f64)> {

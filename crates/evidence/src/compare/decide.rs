@@ -344,31 +344,9 @@ mod promised;
 
 #[cfg(test)]
 mod tests {
+    use super::super::belief::samples::{counts, known};
     use super::*;
     use stats::{EffectiveSample, Sample};
-
-    fn counts(successes: u64, trials: u64) -> Belief {
-        let sample = Sample { successes, trials };
-        Belief::Counts {
-            clusters: None,
-            sample,
-            effective: sample.into(),
-            before: None,
-            completions: None,
-        }
-    }
-
-    fn known(value: f64) -> Belief {
-        let bounds = stats::Interval {
-            low: value,
-            high: value,
-        };
-        Belief::Known {
-            value,
-            bounds,
-            is_range: false,
-        }
-    }
 
     fn levels() -> Levels {
         Levels::new(0.95, 0.95).unwrap()

@@ -238,12 +238,9 @@ fn information([first, second]: [f64; 2]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::belief::samples::counts;
     use super::*;
     use stats::Confidence;
-
-    fn counts(count: u64, trials: u64) -> Belief {
-        Belief::of_counts(count, trials, None).expect("counts")
-    }
 
     fn at(looks: &[[(u64, u64); 2]], margin: f64) -> Pair {
         let (now, before) = looks.split_last().expect("a look");

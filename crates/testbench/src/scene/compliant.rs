@@ -16,8 +16,8 @@
 //! ```
 //!
 //! where of `n` substeps in which the engine keeps a force `d` is that after `(n - 1) / 2n` of a time step, with which the spring
-//! neither gains nor loses energy. Friction against a sliding speed `s` is `mu N s / (s + s0)`. What pushes the whole body with more than its balance, over
-//! the time between two moves, makes the person step back.
+//! neither gains nor loses energy. Friction against a sliding speed `s` is `mu N s / (s + s0)`. What pushes the whole body with
+//! more than its balance, over the time between two moves, makes the person step back.
 //!
 //! # Source
 //! ISO/TS 15066:2016, annex A: robot and region of the body as two masses with a spring between them, with the effective
@@ -256,11 +256,7 @@ impl Held {
             scale(self.stiffness_n_m, error_m),
             scale(self.damping_ns_m, error_m_s),
         );
-        let size = norm(force);
-        let held = match size > self.strength_newtons {
-            true => scale(self.strength_newtons / size, force),
-            false => force,
-        };
+        let held = at_most(force, self.strength_newtons);
         let orientation = turned_by(goal.orientation, scale(since_secs, wanted.angular_rad_s));
         let back = inverse(pose.orientation);
         let into_part = |vector: Vector| rotate(back, vector);
@@ -269,12 +265,7 @@ impl Held {
         let torque: Vector = std::array::from_fn(|axis| {
             self.turn_stiffness_nm[axis] * turn[axis] + self.turn_damping_nms[axis] * rate[axis]
         });
-        let most_nm = self.strength_newtons * self.reach_m;
-        let size = norm(torque);
-        let torque = match size > most_nm {
-            true => scale(most_nm / size, torque),
-            false => torque,
-        };
+        let torque = at_most(torque, self.strength_newtons * self.reach_m);
         push(
             physics,
             self.body,
@@ -389,6 +380,15 @@ pub(super) fn keep_apart(layout: &mut Layout, people: &[BuiltPerson]) {
                 .no_contact
                 .extend(bodies.iter().map(|body| [part, *body]));
         }
+    }
+}
+
+/// A vector, shortened to a size if it is longer.
+fn at_most(vector: Vector, most: f64) -> Vector {
+    let size = norm(vector);
+    match size > most {
+        true => scale(most / size, vector),
+        false => vector,
     }
 }
 

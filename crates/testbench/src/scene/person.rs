@@ -155,21 +155,8 @@ fn parts_of(body: PersonBody, height_m: f64, radius_m: f64) -> Vec<(&'static str
             let leg = capsule(0.045 * height_m, (0.53 - 0.09) * height_m);
             let upper = capsule(0.026 * height_m, 0.186 * height_m);
             let fore = capsule(0.022 * height_m, 0.254 * height_m);
-            vec![
-                ("trunk", capsule(0.75 * radius_m, trunk_m)),
-                (
-                    "head",
-                    Form::Sphere {
-                        radius_m: 0.065 * height_m,
-                    },
-                ),
-                ("left_leg", leg.clone()),
-                ("right_leg", leg),
-                ("left_upper_arm", upper.clone()),
-                ("right_upper_arm", upper),
-                ("left_forearm", fore.clone()),
-                ("right_forearm", fore),
-            ]
+            let trunk = vec![("trunk", capsule(0.75 * radius_m, trunk_m))];
+            with_limbs(trunk, height_m, [leg, upper, fore])
         }
         PersonBody::Compliant => compliant_parts(height_m, radius_m),
     }
@@ -186,24 +173,30 @@ fn compliant_parts(height_m: f64, radius_m: f64) -> Vec<(&'static str, Form)> {
     let upper = capsule(0.026 * height_m, 0.238 * height_m);
     let fore = capsule(0.022 * height_m, FOREARM * height_m + 0.022 * height_m);
     let hand = capsule(0.02 * height_m, HAND * height_m);
-    vec![
-        ("chest", trunk.clone()),
-        ("abdomen", trunk),
-        (
-            "head",
-            Form::Sphere {
-                radius_m: 0.065 * height_m,
-            },
-        ),
+    let trunk = vec![("chest", trunk.clone()), ("abdomen", trunk)];
+    let mut parts = with_limbs(trunk, height_m, [leg, upper, fore]);
+    parts.extend([("left_hand", hand.clone()), ("right_hand", hand)]);
+    parts
+}
+
+/// A trunk with the head, and with legs, upper arms and forearms of these forms.
+fn with_limbs(
+    trunk: Vec<(&'static str, Form)>,
+    height_m: f64,
+    [leg, upper, fore]: [Form; 3],
+) -> Vec<(&'static str, Form)> {
+    let radius_m = 0.065 * height_m;
+    let mut parts = trunk;
+    parts.extend([
+        ("head", Form::Sphere { radius_m }),
         ("left_leg", leg.clone()),
         ("right_leg", leg),
         ("left_upper_arm", upper.clone()),
         ("right_upper_arm", upper),
         ("left_forearm", fore.clone()),
         ("right_forearm", fore),
-        ("left_hand", hand.clone()),
-        ("right_hand", hand),
-    ]
+    ]);
+    parts
 }
 
 /// The poses of the parts, in the world.

@@ -1,27 +1,6 @@
+use super::super::belief::samples::{counts, known};
 use super::*;
 use stats::special::binomial_pmf;
-
-fn counts(successes: u64, trials: u64) -> Belief {
-    let sample = Sample { successes, trials };
-    Belief::Counts {
-        clusters: None,
-        sample,
-        effective: sample.into(),
-        before: None,
-        completions: None,
-    }
-}
-
-fn known(value: f64) -> Belief {
-    Belief::Known {
-        value,
-        bounds: Interval {
-            low: value,
-            high: value,
-        },
-        is_range: false,
-    }
-}
 
 fn distribution(alpha: f64, beta: f64) -> Belief {
     let posterior = BetaPosterior::new(alpha, beta).unwrap();
