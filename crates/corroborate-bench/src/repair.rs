@@ -128,6 +128,7 @@ pub fn first_offer(study: &Synthetic) -> Result<Option<Offer>, String> {
         text: &text,
         asked,
         solver: &solver,
+        states: None,
     };
     ground.first_against(&study.suspects, &[model], &[ids::SIMULATION])
 }

@@ -410,25 +410,30 @@ fn drifted(
 pub(crate) fn tables_of(study: &Study) -> Vec<TableOf> {
     let of = |entry: &Entry| {
         let tables = entry.work.tables();
-        let file = |is_of_failure_modes: bool| {
+        let file = |counts: evidence::Counted| {
             let tables = tables?;
-            let own = match is_of_failure_modes {
-                true => tables.failure_modes,
-                false => tables.requirements,
+            let file = match counts {
+                evidence::Counted::FailureModes => tables.failure_modes,
+                evidence::Counted::Requirements => tables.requirements,
+                evidence::Counted::BySubject => tables.cohort,
             };
-            let file = own.or(tables.cohort)?;
+            // A table of totals names requirements or failure modes itself.
+            let is_bound = counts == evidence::Counted::BySubject;
             Some(TableOf {
                 evidence: entry.id.clone(),
-                is_of_failure_modes,
-                file: file.to_string_lossy().replace('\\', "/"),
-                // A table of its own names requirements or failure modes itself.
-                bound_in: own.is_none().then(|| "vocabulary.toml".to_owned()),
+                counts,
+                file: file?.to_string_lossy().replace('\\', "/"),
+                bound_in: is_bound.then(|| "vocabulary.toml".to_owned()),
             })
         };
-        [true, false]
-            .into_iter()
-            .filter_map(file)
-            .collect::<Vec<_>>()
+        [
+            evidence::Counted::FailureModes,
+            evidence::Counted::Requirements,
+            evidence::Counted::BySubject,
+        ]
+        .into_iter()
+        .filter_map(file)
+        .collect::<Vec<_>>()
     };
     study.ledger.iter().flat_map(of).collect()
 }

@@ -46,7 +46,7 @@ pub use cells::{CellPlace, VerdictCounts};
 pub use columns::has_columns_exchanged;
 pub use contrast::{SameTraces, contrasts};
 pub use exchanged::put_right;
-pub use matter::{Clue, Matter, TableOf, requirement_form, system_model};
+pub use matter::{Clue, Counted, Matter, TableOf, requirement_form, system_model};
 pub use names::{MixedUp, mixed_up};
 pub use ranking::rank;
 pub use strength::{CERTAIN, Rate, STRONG, signed_strength, strength};

@@ -11,7 +11,9 @@ mod form_change;
 mod model_change;
 mod model_offers;
 mod named_numbers;
+mod number;
 mod offers;
+mod requirement_rates;
 mod solve;
 mod text_change;
 mod toml_text;
@@ -27,6 +29,8 @@ pub use model_change::{
 };
 pub use model_offers::{Asked, Ground, Model, ModelOffers};
 pub use named_numbers::{NamedNumber, is_all_named, named_numbers};
+pub use number::Number;
 pub use offers::{Offer, Offers, Ranked};
+pub use requirement_rates::NamedOffer;
 pub use text_change::{TextChange, steps};
 pub use trial::{Touch, Trial};

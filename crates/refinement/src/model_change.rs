@@ -9,7 +9,8 @@
 //!   those with which the solved model has the counted rate that one is taken
 //!   with which all other answers change least.
 //! * *Solve*: where no constant, set to the share, gives the counted rate, since it acts more than once in a run or
-//!   shares its expression with others, the constant is solved for ([`crate::solve`]). Of several constants with which
+//!   shares its expression with others, the constant is solved for ([`crate::solve`]); likewise a number that is written
+//!   into a command ([`Number`]). Of several constants with which
 //!   the model would have the rate, the one is taken whose log-odds change least; the others are named. Where the
 //!   updates that make the proposition true are certain (the last of so many attempts has failed), the chance lies in
 //!   what leads there: every constant of the model is tried, and the one is taken that leaves least disagreement with
@@ -37,14 +38,16 @@
 mod branching;
 mod solving;
 
-pub(crate) use solving::{once_or_solve, rate_or_solve};
+pub(crate) use solving::{
+    AS_GOOD, FARTHEST, digits, once_or_solve, rate_or_solve, solved, with_interval,
+};
 
 use crate::counts::Counts;
 use crate::draws::{Draw, Equality, draws, equalities, names_of};
+use crate::number::Number;
 use evidence::Subject;
 use prism_lang::ast::{ExprKind, Model};
 use prism_lang::{Constants, Value, edit, resolved};
-use solving::{solved, with_interval};
 use std::collections::BTreeMap;
 
 /// The answers to a study's questions; `None` where the model cannot be asked.
@@ -77,12 +80,12 @@ pub enum ModelChange {
         /// What was counted.
         counts: Counts,
     },
-    /// Solve for the constant with which the proposition becomes true as often as it was counted.
+    /// Solve for the constant with which the model's rate is the counted one.
     Solve {
-        /// The failure mode.
-        mode: String,
-        /// The constant.
-        constant: String,
+        /// The failure mode or requirement.
+        subject: Subject,
+        /// The constant, or the number in a command.
+        number: Number,
         /// What was counted.
         counts: Counts,
     },
@@ -121,6 +124,8 @@ pub struct Changed {
     pub values: Values,
     /// What has to be known of it, one sentence each.
     pub notes: Vec<String>,
+    /// Other numbers that the evidence does not tell apart from the one that was set.
+    pub alternatives: Vec<Number>,
     /// What the model answers once the next change is made, too, that belongs to it: a constant was set to the share of
     /// a draw that is then made once.
     pub settled: Option<Values>,
@@ -135,7 +140,7 @@ impl Changed {
 }
 
 /// A constant that was set to a counted rate.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SetConstant {
     /// Its name.
     pub name: String,
@@ -143,20 +148,22 @@ pub struct SetConstant {
     pub is_complement: bool,
     /// Whether it was solved for: it is not the counted share, but the model then has the counted rate.
     pub is_solved: bool,
+    /// The value, if it was solved for.
+    pub value: Option<f64>,
 }
 
 /// Why a change is not possible, in one sentence.
 pub type Refusal = String;
 
 /// A model's text with what was read of it.
-struct Read<'a> {
-    text: &'a str,
-    tree: Model,
-    model: resolved::Model,
+pub(crate) struct Read<'a> {
+    pub(crate) text: &'a str,
+    pub(crate) tree: Model,
+    pub(crate) model: resolved::Model,
 }
 
 impl<'a> Read<'a> {
-    fn new(text: &'a str) -> Result<Self, Refusal> {
+    pub(crate) fn new(text: &'a str) -> Result<Self, Refusal> {
         let words = |found: &[prism_lang::Diagnostic]| {
             let all: Vec<&str> = found.iter().map(|d| d.message.as_str()).collect();
             all.join("; ")
@@ -168,7 +175,7 @@ impl<'a> Read<'a> {
         Ok(Self { text, tree, model })
     }
 
-    fn constant(&self, name: &str) -> Option<f64> {
+    pub(crate) fn constant(&self, name: &str) -> Option<f64> {
         match self.model.constant(name)? {
             Value::Double(number) => Some(number.to_f64()),
             Value::Int(value) => Some(*value as f64),
@@ -280,13 +287,22 @@ pub(crate) fn is_set_to(text: &str, occurs: &str, counts: &Counts) -> Result<boo
 }
 
 impl ModelChange {
-    /// The failure mode.
+    /// Whose rate is set: a failure mode or a requirement.
+    #[must_use]
+    pub fn subject(&self) -> Subject {
+        match self {
+            Self::Rate { mode, .. } | Self::Branch { mode, .. } | Self::Once { mode, .. } => {
+                Subject::FailureMode(mode.clone())
+            }
+            Self::Solve { subject, .. } => subject.clone(),
+        }
+    }
+
+    /// The name of what [`Self::subject`] is.
     pub fn mode(&self) -> &str {
         match self {
-            Self::Rate { mode, .. }
-            | Self::Solve { mode, .. }
-            | Self::Branch { mode, .. }
-            | Self::Once { mode, .. } => mode,
+            Self::Rate { mode, .. } | Self::Branch { mode, .. } | Self::Once { mode, .. } => mode,
+            Self::Solve { subject, .. } => subject.id(),
         }
     }
 
@@ -312,12 +328,12 @@ impl ModelChange {
                 counts,
             } => rate(text, solver, occurs, (mode, counts)),
             Self::Solve {
-                mode,
-                constant,
+                subject,
+                number,
                 counts,
             } => {
-                let names = std::slice::from_ref(constant);
-                let mut found = solved(text, solver, names, (mode, counts))?;
+                let names = std::slice::from_ref(number);
+                let mut found = solved(text, solver, names, (subject, counts))?;
                 let made = (self.clone(), found.swap_remove(0).changed);
                 Ok(with_interval(text, solver, made).1)
             }
@@ -329,10 +345,12 @@ impl ModelChange {
 
 /// The value of a failure mode.
 pub fn rate_of(values: &Values, mode: &str) -> Option<f64> {
-    values
-        .get(&Subject::FailureMode(mode.to_owned()))
-        .copied()
-        .flatten()
+    value_of(values, &Subject::FailureMode(mode.to_owned()))
+}
+
+/// The value of a failure mode or a requirement.
+pub(crate) fn value_of(values: &Values, subject: &Subject) -> Option<f64> {
+    values.get(subject).copied().flatten()
 }
 
 fn rate(
@@ -417,9 +435,11 @@ fn set(
             name: name.to_owned(),
             is_complement,
             is_solved: false,
+            value: None,
         }),
         values,
         notes: Vec::new(),
+        alternatives: Vec::new(),
         settled: None,
     })
 }
@@ -442,6 +462,7 @@ fn once(text: &str, solver: &dyn Solver, mode: &str, occurs: &str) -> Result<Cha
             constant: None,
             values,
             notes: Vec::new(),
+            alternatives: Vec::new(),
             settled: None,
         }),
         rate => Err(format!(

@@ -5,7 +5,8 @@
 //! ([`ModelChange::Branch`]). Else,
 //! if its rate is farther than the declared margin from the counts that it may be set to ([`anchors`], the first of
 //! them), or their exact binomial p-value is below the study's level: the constant set to the counted share or, where
-//! that does not give the rate, solved for; or, if it has the share already, the draw made once, else solved for.
+//! that does not give the rate, solved for; or, if it has the share already, the draw made once, else solved for. Then the
+//! same for requirements that this leaves in disagreement ([`crate::requirement_rates`]).
 
 use crate::counts::{Counts, anchors};
 use crate::model_change::{
@@ -51,6 +52,8 @@ pub struct Model<'a> {
     pub asked: &'a [Asked],
     /// Answers them for other texts of it.
     pub solver: &'a dyn Solver,
+    /// How many states it has, if that is known: what costs many solutions is only tried on models that are small enough.
+    pub states: Option<u64>,
 }
 
 /// Changes of one model, each made alone.
@@ -99,6 +102,7 @@ impl Ground<'_> {
                 )),
             }
         }
+        self.of_requirements(model, before, &mut found);
         found
     }
 

@@ -78,7 +78,7 @@ pub enum Offer {
     Parameters {
         /// The evidence that it gives.
         evidence: String,
-        /// To these counts, by failure mode.
+        /// To these counts, by failure mode; none where the suspect is named for requirements, and the study counts none.
         counts: Vec<(String, Counts)>,
     },
 }
@@ -156,7 +156,7 @@ impl OfModel<'_> {
             None => all,
             Some(subjects) => {
                 let place = |(change, _, trial): &(ModelChange, Changed, Trial)| {
-                    let own = |subject: &Subject| subject.id() == change.mode();
+                    let own = |subject: &Subject| *subject == change.subject();
                     let repairs = |subject: &Subject| {
                         let mut touched = trial.repairs.iter();
                         touched.any(|touch| &touch.subject == subject)
@@ -467,6 +467,12 @@ impl<'g> Ground<'g> {
                 .collect();
         }
         let offer = self.fitted(piece, modes.into_iter());
+        // Without a failure mode to count, what the suspect is named for has to come as often as it was counted.
+        let of_named = || Offer::Parameters {
+            evidence: piece.id.clone(),
+            counts: Vec::new(),
+        };
+        let offer = offer.or_else(|| (!suspect.subjects.is_empty()).then(of_named));
         offer.into_iter().collect()
     }
 

@@ -5,6 +5,7 @@
 //! share. A constant that acts more than once in a run (a chance for each step, a draw that is repeated) is not the share
 //! itself. From the present value the log-odds of the constant are moved by 1, 2, 4, ... in either direction until `f`
 //! crosses the share; the crossing is then enclosed by regula falsi in the log-odds of both, with the Illinois rule.
+//! A rate of a continuous-time model, or another number above 0, is moved by its logarithm in their place ([`Scale`]).
 //! The interval of the counts (Clopper and Pearson) is carried over by the same search for its two ends.
 //!
 //! # Source
@@ -29,13 +30,56 @@ const MOST_STEPS: usize = 60;
 /// A rate as a function of a constant; `None` where the model cannot be solved.
 pub(crate) type Rate<'f> = dyn FnMut(f64) -> Option<f64> + 'f;
 
-/// The value of a constant with which the rate is `target`, at most `farthest` away from `start` in log-odds.
-pub(crate) fn crossing(rate: &mut Rate<'_>, start: f64, target: f64, farthest: f64) -> Option<f64> {
+/// How a constant is moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scale {
+    /// A probability, by its log-odds.
+    Odds,
+    /// A positive number, by its logarithm.
+    Log,
+}
+
+impl Scale {
+    /// Of a constant with this value.
+    pub fn of(value: f64, is_rate: bool) -> Self {
+        match is_rate || value >= 1.0 {
+            true => Self::Log,
+            false => Self::Odds,
+        }
+    }
+
+    fn place(self, value: f64) -> f64 {
+        match self {
+            Self::Odds => log_odds(value),
+            Self::Log => value.max(LEAST).ln(),
+        }
+    }
+
+    fn value(self, place: f64) -> f64 {
+        match self {
+            Self::Odds => probability(place),
+            Self::Log => place.exp(),
+        }
+    }
+
+    /// How far two values are apart.
+    pub fn distance(self, one: f64, other: f64) -> f64 {
+        (self.place(one) - self.place(other)).abs()
+    }
+}
+
+/// The value of a constant with which the rate is `target`, at most `farthest` away from `start` in its scale.
+pub(crate) fn crossing(
+    rate: &mut Rate<'_>,
+    (start, scale): (f64, Scale),
+    target: f64,
+    farthest: f64,
+) -> Option<f64> {
     if !(target > 0.0 && target < 1.0) {
         return None;
     }
-    let origin = log_odds(start);
-    let mut at = |x: f64| rate(probability(x)).map(|found| log_odds(found) - log_odds(target));
+    let origin = scale.place(start);
+    let mut at = |x: f64| rate(scale.value(x)).map(|found| log_odds(found) - log_odds(target));
     let first = at(origin)?;
     if is_close(first, target) {
         return Some(start);
@@ -55,7 +99,8 @@ pub(crate) fn crossing(rate: &mut Rate<'_>, start: f64, target: f64, farthest: f
                 continue;
             };
             if of_low * of_high <= 0.0 {
-                return enclosed(&mut at, (low, of_low), (high, of_high), target);
+                return enclosed(&mut at, (low, of_low), (high, of_high), target)
+                    .map(|x| scale.value(x));
             }
             *end = (high, of_high, true);
         }
@@ -65,7 +110,7 @@ pub(crate) fn crossing(rate: &mut Rate<'_>, start: f64, target: f64, farthest: f
     None
 }
 
-/// The crossing between two places of opposite signs.
+/// The place of the crossing between two of opposite signs.
 fn enclosed(
     at: &mut dyn FnMut(f64) -> Option<f64>,
     mut low: (f64, f64),
@@ -74,14 +119,14 @@ fn enclosed(
 ) -> Option<f64> {
     for end in [low, high] {
         if is_close(end.1, target) {
-            return Some(probability(end.0));
+            return Some(end.0);
         }
     }
     for _ in 0..MOST_STEPS {
         let x = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
         let found = at(x)?;
         if is_close(found, target) {
-            return Some(probability(x));
+            return Some(x);
         }
         if found * high.1 < 0.0 {
             low = high;
@@ -120,7 +165,7 @@ mod tests {
         for (steps, target) in [(1, 0.3), (12, 0.135), (500, 0.02), (40, 0.9)] {
             let mut rate = |c: f64| Some(1.0 - (1.0 - c).powi(steps));
             let exact = 1.0 - (1.0_f64 - target).powf(1.0 / f64::from(steps));
-            let found = crossing(&mut rate, 0.03, target, 12.0).expect("a crossing");
+            let found = crossing(&mut rate, (0.03, Scale::Odds), target, 12.0).expect("a crossing");
             assert!(
                 (found / exact - 1.0).abs() < 1e-3,
                 "{steps} {target}: {found} {exact}"
@@ -131,24 +176,41 @@ mod tests {
     #[test]
     fn what_is_tried_again_until_it_succeeds_is_solved_for() {
         let mut rate = |c: f64| Some(c.powi(3));
-        let found = crossing(&mut rate, 0.3, 0.125, 12.0).expect("a crossing");
+        let found = crossing(&mut rate, (0.3, Scale::Odds), 0.125, 12.0).expect("a crossing");
         assert!((found - 0.5).abs() < 1e-4, "{found}");
         // A probability of success: the rate falls with the constant.
         let mut falling = |c: f64| Some((1.0 - c).powi(2));
-        let found = crossing(&mut falling, 0.9, 0.25, 12.0).expect("a crossing");
+        let found = crossing(&mut falling, (0.9, Scale::Odds), 0.25, 12.0).expect("a crossing");
         assert!((found - 0.5).abs() < 1e-4, "{found}");
     }
 
     #[test]
     fn what_no_value_gives_is_not_found() {
         let mut bounded = |c: f64| Some(0.1 + 0.2 * c);
-        assert_eq!(crossing(&mut bounded, 0.5, 0.5, 12.0), None);
+        assert_eq!(crossing(&mut bounded, (0.5, Scale::Odds), 0.5, 12.0), None);
         // The model is not valid above 0.4, where the crossing would be.
         let mut partial = |c: f64| (c < 0.4).then_some(c);
-        assert_eq!(crossing(&mut partial, 0.1, 0.6, 12.0), None);
+        assert_eq!(crossing(&mut partial, (0.1, Scale::Odds), 0.6, 12.0), None);
         // Too far away.
         let mut plain = |c: f64| Some(c);
-        assert_eq!(crossing(&mut plain, 0.01, 0.9, 2.0), None);
-        assert_eq!(crossing(&mut plain, 0.01, 0.0, 2.0), None);
+        assert_eq!(crossing(&mut plain, (0.01, Scale::Odds), 0.9, 2.0), None);
+        assert_eq!(crossing(&mut plain, (0.01, Scale::Odds), 0.0, 2.0), None);
+    }
+
+    #[test]
+    fn a_rate_is_solved_for_beyond_one() {
+        // Over within a unit of time: 1 - exp(-c).
+        let mut over = |c: f64| Some(1.0 - (-c).exp());
+        for target in [0.2_f64, 0.5, 0.99] {
+            let exact = -(1.0 - target).ln();
+            let found = crossing(&mut over, (0.4, Scale::of(0.4, true)), target, 12.0);
+            let found = found.expect("a crossing");
+            assert!(
+                (found / exact - 1.0).abs() < 1e-2,
+                "{target}: {found} {exact}"
+            );
+        }
+        assert_eq!(Scale::of(0.4, false), Scale::Odds);
+        assert_eq!(Scale::of(3.0, false), Scale::Log);
     }
 }

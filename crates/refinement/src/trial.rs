@@ -93,17 +93,14 @@ impl Ground<'_> {
         let Some(own) = self.evidence.iter().find(|piece| piece.id == target) else {
             return 0.0;
         };
-        let of_subject = |(subject, value): (&Subject, &Option<f64>)| {
-            let pieces = self.speaking(own, subject).into_iter();
-            let apart = pieces.filter_map(|piece| self.apart(piece, subject, [*value, *value]));
-            apart.map(|[apart, _]| apart).fold(0.0, f64::max)
-        };
+        let of_subject =
+            |(subject, value): (&Subject, &Option<f64>)| self.strongest(own, subject, *value);
         let own = values.iter().filter(|(subject, _)| self.is_own(subject));
         own.map(of_subject).sum()
     }
 
     /// Requirements that differ only in a threshold count once.
-    fn is_own(&self, subject: &Subject) -> bool {
+    pub(crate) fn is_own(&self, subject: &Subject) -> bool {
         let mut all = self.requirements.iter();
         !all.any(|r| {
             matches!(subject, Subject::Requirement(id) if id == &r.id)
@@ -170,6 +167,13 @@ impl Ground<'_> {
                 let toward = self.apart(real, subject, values);
                 apart > STRONG && toward.is_some_and(|[was, is]| is <= was)
             })
+    }
+
+    /// How strongly a model with this value disagrees with the piece that it disagrees most with.
+    pub(crate) fn strongest(&self, own: &Evidence, subject: &Subject, value: Option<f64>) -> f64 {
+        let pieces = self.speaking(own, subject).into_iter();
+        let apart = pieces.filter_map(|piece| self.apart(piece, subject, [value, value]));
+        apart.map(|[apart, _]| apart).fold(0.0, f64::max)
     }
 
     /// How strongly a piece disagrees with two values; a failure mode that a model cannot express never occurs there.

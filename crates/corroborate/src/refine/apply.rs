@@ -5,7 +5,7 @@ use super::proposal::{Asset, Change, Proposal, of_model};
 use super::solver::Solver;
 use super::texts;
 use diagnostic::Problem;
-use evidence::{StudyResult, Subject};
+use evidence::StudyResult;
 use host::files::{write_prism, write_whole};
 use refinement::{Changed, Exchange, ModelChange, SetConstant};
 use schemars::JsonSchema;
@@ -178,6 +178,7 @@ impl Applier<'_> {
                 name,
                 is_complement,
                 is_solved,
+                value: _,
             }) = constant
             {
                 step.set_to.retain(|it| it.name != name);
@@ -186,7 +187,7 @@ impl Applier<'_> {
                     key: if is_solved { "parameter" } else { "constant" },
                     name,
                     from: change.counts().evidence.clone(),
-                    subject: Subject::FailureMode(change.mode().to_owned()),
+                    subject: change.subject(),
                     held: false,
                     is_complement,
                 });

@@ -1,7 +1,7 @@
 //! A simulator that is a command: one number of its files, fitted to counts.
 //!
 //! # Definition
-//! The files that the command names hold numbers with names ([`refinement::named_numbers`]). Which of them is wrong nothing
+//! The files that the command names, and its stimulus, hold numbers with names ([`refinement::named_numbers`]). Which of them is wrong nothing
 //! of the evidence says, so that the simulator is asked: each number is searched for a value with which the subject comes as
 //! often as it was counted ([`refinement::fitted`]), all with the same seeds. A number that changes no count of the subject in
 //! the first `SCREENED` episodes, neither `FAR` times as large nor as small, is left out. Of the numbers for which there is one, that is
@@ -175,6 +175,7 @@ fn predicted(
     };
     let is = Rate::Counted {
         count: counts.rate() * trials,
+        open: 0.0,
         trials,
     };
     let margin = super::proposal::ground(study, result).margin(subject);
@@ -225,7 +226,8 @@ fn files(
     is_program_first: bool,
 ) -> Result<Vec<String>, Problem> {
     let mut found: Vec<(bool, String)> = Vec::new();
-    for word in &command.command {
+    let stimulus = command.stimulus.as_deref().map(shown);
+    for word in command.command.iter().chain(&stimulus) {
         let path = study.folder.join(word);
         let is_own = Path::new(word).is_relative() && path.is_file();
         if !is_own || found.iter().any(|(_, known)| known == word) {
@@ -236,11 +238,17 @@ fn files(
             continue;
         };
         if named_numbers(&text).iter().any(|it| it.value > 0.0) {
-            found.push((is_all_named(&text) == is_program_first, word.clone()));
+            let is_settings = Some(word) == stimulus.as_ref() || is_all_named(&text);
+            found.push((is_settings == is_program_first, word.clone()));
         }
     }
     found.sort_by_key(|(is_later, _)| *is_later);
     Ok(found.into_iter().map(|(_, file)| file).collect())
+}
+
+/// A file as the study's texts name it.
+fn shown(path: &Path) -> String {
+    path.to_string_lossy().replace('\\', "/")
 }
 
 /// A number with the value that was found for it.
@@ -395,13 +403,18 @@ impl<'a> Fitting<'a> {
         write_whole(&path, text.as_bytes())?;
         let path =
             std::fs::canonicalize(&path).map_err(|error| Problem::cannot_read(&path, &error))?;
-        let shown = path.to_string_lossy();
+        let word = path.to_string_lossy();
         let words = self.command.command.iter();
-        let words = words.map(|word| match word == file {
-            true => shown.clone().into_owned(),
-            false => word.clone(),
+        let words = words.map(|old| match old == file {
+            true => word.clone().into_owned(),
+            false => old.clone(),
         });
+        let stimulus = self.command.stimulus.clone();
         let command = CommandText {
+            stimulus: stimulus.map(|old| match shown(&old) == file {
+                true => path.clone(),
+                false => old,
+            }),
             command: words.collect(),
             limit_secs: self.limit_secs,
             ..self.command.clone()
@@ -465,7 +478,7 @@ impl<'a> Fitting<'a> {
     }
 
     fn on_subject(&self, finding: &Finding) -> f64 {
-        let Some(own) = Rate::of(&finding.measure) else {
+        let Some(own) = Rate::of(finding) else {
             return 0.0;
         };
         let others = others(self.result, self.piece);
@@ -489,7 +502,12 @@ impl<'a> Fitting<'a> {
             false => word.clone().into(),
         });
         let words: Vec<toml::Value> = words.collect();
-        let path = |path: &Path| toml::Value::from(path.to_string_lossy().replace('\\', "/"));
+        let path = |path: &Path| {
+            toml::Value::from(match shown(path) {
+                own if own == file => target.to_owned(),
+                other => other,
+            })
+        };
         let episodes = i64::try_from(self.episodes).unwrap_or(100);
         let mut assets: Vec<(&'static str, toml::Value)> = vec![
             ("command", words.into()),
@@ -497,6 +515,9 @@ impl<'a> Fitting<'a> {
             ("limit_secs", self.command.limit_secs.into()),
             ("episodes", episodes.into()),
         ];
+        if self.command.persistent {
+            assets.push(("persistent", true.into()));
+        }
         if !self.command.assets.is_empty() {
             let all: Vec<toml::Value> = self.command.assets.iter().map(|it| path(it)).collect();
             assets.push(("assets", all.into()));
@@ -548,6 +569,7 @@ impl Candidate {
         let share = self.tried.rate;
         let own = Rate::Counted {
             count: share * of.episodes as f64,
+            open: 0.0,
             trials: of.episodes as f64,
         };
         let counted = Rate::counted(of.wanted.counts.count, of.wanted.counts.trials);

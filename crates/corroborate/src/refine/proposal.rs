@@ -233,8 +233,15 @@ pub fn of_model(
         text: asset.text,
         asked: &asked(study),
         solver: &solver.at(asset.path),
+        states: states_of(result, &asset.entry.id),
     };
     Ok(ground(study, result).of_model(&model, &before))
+}
+
+/// How many states the model of a piece has, as the run counted them.
+pub(super) fn states_of(result: &StudyResult, id: &str) -> Option<u64> {
+    let mut costs = result.costs.iter();
+    costs.find(|cost| cost.evidence == id)?.states
 }
 
 /// What the only proposition of a question means to the model.
@@ -257,7 +264,7 @@ pub fn model_proposal(
 ) -> Proposal {
     let entry = &asset.entry.id;
     let counts = change.counts();
-    let mode = Subject::FailureMode(change.mode().to_owned());
+    let mode = change.subject();
     let old = asset.path.display().to_string();
     let new = Names::next_model(asset.path);
     let mut notes = vec![format!(
@@ -282,14 +289,14 @@ pub fn model_proposal(
         number: 0,
         suspect,
         title: format!("{}: {}", entry, changed.what),
-        reason: reason(&change, rate_of(before, change.mode()), counts),
+        reason: reason(&change, before.get(&mode).copied().flatten(), counts),
         diff: unified(&old, &new, asset.text, &changed.text),
         file: old,
         also: Vec::new(),
         effects: effects(result, before, &changed.values, &mode, counts),
         tried,
         notes,
-        needs_decision: is_harmful || repairs_nothing,
+        needs_decision: is_harmful || repairs_nothing || !changed.alternatives.is_empty(),
         change: Change::Model {
             entry: entry.clone(),
             change,
@@ -298,7 +305,10 @@ pub fn model_proposal(
 }
 
 fn reason(change: &ModelChange, rate: Option<f64>, counts: &Counts) -> String {
-    let mode = change.mode().replace('_', " ");
+    let mode = match change.subject() {
+        Subject::FailureMode(id) => id.replace('_', " "),
+        subject @ Subject::Requirement(_) => subject.in_words(),
+    };
     let rate = rate.unwrap_or(0.0);
     match change {
         ModelChange::Branch { .. } => format!(
@@ -307,6 +317,14 @@ fn reason(change: &ModelChange, rate: Option<f64>, counts: &Counts) -> String {
         ),
         ModelChange::Rate { .. } => format!(
             "The model's rate of {mode} is {rate:.6}, and it was counted in {}.",
+            counts.words()
+        ),
+        ModelChange::Solve {
+            subject: Subject::Requirement(_),
+            ..
+        } => format!(
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. One number of the model is solved for so that \
+             both are the same.",
             counts.words()
         ),
         ModelChange::Solve { .. } => format!(

@@ -9,6 +9,7 @@ use super::forms::of_forms;
 use super::one_value::OneValue;
 use super::proposal::{
     Asset, Change, Offered, Proposal, asked, current, ground, is_simulated, model_proposal,
+    states_of,
 };
 use super::simulator::of_simulator;
 use super::solver::Solver;
@@ -34,6 +35,7 @@ pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<O
         text,
         asked: &asked,
         solver,
+        states: states_of(result, &entry.id),
     });
     let models: Vec<Model<'_>> = models.collect();
     let assets = sources
@@ -133,6 +135,10 @@ impl Offering<'_> {
                             (of, &modes),
                             &mut self.offered,
                         );
+                    }
+                    // A simulator of ours is fitted to ways of failing alone.
+                    if modes.is_empty() {
+                        return Ok(());
                     }
                     of_simulator(
                         self.study,

@@ -29,7 +29,7 @@ use crate::technique::campaign::Until;
 use crate::verify::{Audit, same_values};
 use diagnostic::{Problem, did_you_mean};
 use episodes::Episodes;
-pub(crate) use fault_tree::tree_values;
+pub(crate) use fault_tree::{TreeChange, tree_values};
 use host::Host;
 use host::store::{Inputs, Store};
 use std::collections::{BTreeMap, BTreeSet};

@@ -43,9 +43,9 @@ impl Matter<'_> {
         let others = self.speaking().filter(|e| e.conditions == piece.conditions);
         let mut shown: Vec<(f64, &Evidence)> = others
             .filter_map(|e| {
-                let measure = &e.finding(subject)?.measure;
-                let shows = matches!(measure, Measure::Counts { count, .. } if *count > 0);
-                let apart = strength(Rate::Never, Rate::of(measure)?, margin);
+                let finding = e.finding(subject)?;
+                let shows = matches!(finding.measure, Measure::Counts { count, .. } if count > 0);
+                let apart = strength(Rate::Never, Rate::of(finding)?, margin);
                 shows.then_some((apart, e))
             })
             .collect();
@@ -60,22 +60,16 @@ impl Matter<'_> {
             return 0.0;
         };
         let strongest = Rate::on(first, subject);
-        let (mut sum, mut size) = (0.0, 0.0);
+        let mut alike = Vec::new();
         for (_, piece) in shown {
             let (Some(first), Some(rate)) = (strongest, Rate::on(piece, subject)) else {
                 continue;
             };
-            if let Rate::Counted { count, trials } = rate
-                && strength(first, rate, margin) < STRONG
-            {
-                (sum, size) = (sum + count, size + trials);
+            if strength(first, rate, margin) < STRONG {
+                alike.push(rate);
             }
         }
-        let all = Rate::Counted {
-            count: sum,
-            trials: size,
-        };
-        most.max(strength(Rate::Never, all, margin))
+        most.max(strength(Rate::Never, Rate::pooled(&alike), margin))
     }
 
     /// The probability that a model is the odd one out, and not what alone shows a failure mode that it excludes.

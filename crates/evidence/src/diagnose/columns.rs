@@ -1,15 +1,16 @@
 //! A table of requirements whose columns "passed" and "failed" were exchanged.
 //!
 //! # Definition
-//! The columns of a piece were exchanged if at least [`FEWEST`] of its rates of requirements differ strongly (at least
-//! [`STRONG`], see [`mod@super::strength`]) from other evidence under the same conditions as they are, and if none of its
-//! rates of requirements does with kept and violated exchanged in all of them. The exchange takes `T - T'` of a conflict,
+//! The columns of a piece were exchanged if at least [`FEWEST`] of its rates of requirements, or one against at least as many
+//! other pieces, differ strongly (at least [`STRONG`], see [`mod@super::strength`]; the one by [`EXTREME`]) from other evidence
+//! under the same conditions as they are, and if none of its rates of requirements does with kept and violated exchanged in
+//! all of them. The exchange takes `T - T'` of a conflict,
 //! `T'` being what is left with the other column.
 //!
 //! # Source and guarantee
 //! One exchange in place of several wrong rates, as in [`super::names`]: each of the rates has to fit from the other side,
-//! which wrong rates do beyond chance only where they are complements. One rate alone is no sign: a wrong model may be as
-//! far off by chance.
+//! which wrong rates do beyond chance only where they are complements. One rate against one other piece is no sign: a wrong
+//! model may be as far off by chance.
 
 use super::matter::{Clue, Matter, name_of};
 use super::rates::figure;
@@ -17,8 +18,11 @@ use super::strength::{Rate, STRONG, strength};
 use super::suspect::Symptom;
 use crate::{Evidence, Inaccuracy, Subject};
 
-/// Rates that have to be on the wrong side.
+/// Rates that have to be on the wrong side, or other pieces on which side one of them is not.
 const FEWEST: usize = 2;
+
+/// Decades by which one rate has to differ from each of the others.
+const EXTREME: f64 = 5.0;
 
 /// Whether a piece's columns "passed" and "failed" were exchanged, as far as the other evidence says.
 #[must_use]
@@ -30,24 +34,29 @@ pub fn has_columns_exchanged(
     let mut mended = 0;
     for finding in &piece.findings {
         let subject = &finding.subject;
-        let (Subject::Requirement(_), Some(rate)) = (subject, Rate::of(&finding.measure)) else {
+        let (Subject::Requirement(_), Some(rate)) = (subject, Rate::of(finding)) else {
             continue;
         };
         let Some(other) = contrary(rate) else {
             return false;
         };
-        let worst = |rate: Rate| {
+        let apart = |rate: Rate| {
             let others = evidence.iter().filter(|other| {
                 other.id != piece.id && !other.intermediate && other.conditions == piece.conditions
             });
             let theirs = others.filter_map(|other| Rate::on(other, subject));
             let apart = theirs.map(|theirs| strength(theirs, rate, margin(subject)));
-            apart.fold(0.0, f64::max)
+            apart.collect::<Vec<f64>>()
         };
-        if worst(other) >= STRONG {
+        if apart(other).iter().any(|it| *it >= STRONG) {
             return false;
         }
-        mended += usize::from(worst(rate) >= STRONG);
+        let now = apart(rate);
+        let extreme = now.iter().filter(|it| **it >= EXTREME).count();
+        mended += match (extreme == now.len(), now.iter().any(|it| *it >= STRONG)) {
+            (true, true) => extreme.min(FEWEST),
+            (_, is_apart) => usize::from(is_apart),
+        };
     }
     mended >= FEWEST
 }
@@ -55,8 +64,13 @@ pub fn has_columns_exchanged(
 /// A counted rate with kept and violated exchanged.
 fn contrary(rate: Rate) -> Option<Rate> {
     match rate {
-        Rate::Counted { count, trials } => Some(Rate::Counted {
-            count: trials - count,
+        Rate::Counted {
+            count,
+            open,
+            trials,
+        } => Some(Rate::Counted {
+            count: trials - count - open,
+            open,
             trials,
         }),
         Rate::Computed(_) | Rate::Never => None,
@@ -78,8 +92,8 @@ impl Matter<'_> {
         if !is_table || !is_requirement || !has_columns_exchanged(self.evidence, piece, &margin) {
             return None;
         }
-        let measure = &piece.finding(subject)?.measure;
-        let exchanged = contrary(Rate::of(measure)?)?;
+        let finding = piece.finding(subject)?;
+        let exchanged = contrary(Rate::of(finding)?)?;
         let theirs = Rate::on(against, subject)?;
         let rest = strength(exchanged, theirs, self.margin(subject)).min(whole);
         let clue = Clue {
@@ -98,7 +112,7 @@ impl Matter<'_> {
             symptom: Symptom::RateDiffers {
                 subject: subject.clone(),
                 evidence: piece.id.clone(),
-                value: measure.estimate()?,
+                value: finding.measure.estimate()?,
                 others: vec![super::rates::counts_of(against, subject)],
             },
             figures: vec![

@@ -51,6 +51,7 @@ pub(super) fn under_sentence(piece: &Evidence, subject: &Subject) -> Option<Rate
     }
     (differs && trials > 0.0).then(|| Rate::Counted {
         count: count.clamp(0.0, trials),
+        open: 0.0,
         trials,
     })
 }

@@ -9,6 +9,7 @@ use crate::{
     AssetRole, Comparison, Evidence, FailureMode, Inaccuracy, Outcome, Requirement, Rerun, Subject,
     WitnessOf,
 };
+use crate::{Finding, Measure};
 
 /// What suspects are found in.
 #[derive(Clone, Copy, Debug)]
@@ -29,13 +30,24 @@ pub struct Matter<'a> {
     pub study: &'a str,
 }
 
+/// What a table counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counted {
+    /// Totals of requirements.
+    Requirements,
+    /// Totals of failure modes.
+    FailureModes,
+    /// Both, by person or session.
+    BySubject,
+}
+
 /// A table of a piece of evidence, with what it counts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TableOf {
     /// The evidence.
     pub evidence: String,
-    /// Whether it counts failure modes; requirements if not.
-    pub is_of_failure_modes: bool,
+    /// What it counts.
+    pub counts: Counted,
     /// The file, relative to the study's folder, with `/`.
     pub file: String,
     /// The file that says which of its columns and codes count what, where one does.
@@ -93,14 +105,12 @@ fn form_of(cell: &Cell) -> &'static str {
 /// form could not judge them, it stands as long as the other does not contradict it. Traces without a verdict are counted
 /// so that the two forms differ least: they show no difference.
 fn judged_otherwise(rate: Rate, own: Option<&Cell>, other: &Cell, margin: f64) -> Rate {
-    let near = match rate {
-        Rate::Counted { count, trials } => count / trials,
-        claim => claim.computed().unwrap_or_default(),
-    };
+    let near = rate.shares().iter().sum::<f64>() / 2.0;
     let counted = match other.undecided {
         0 => Rate::counted(other.count, other.trials),
         _ => Rate::Counted {
             count: other.share_near(near) * other.trials as f64,
+            open: 0.0,
             trials: other.trials as f64,
         },
     };
@@ -243,11 +253,19 @@ impl<'a> Matter<'a> {
     /// The asset in which a piece's figure on a subject stands: the table that counts it, or else its system model.
     pub(super) fn asset_of(&self, piece: &Evidence, subject: &Subject) -> SuspectAsset {
         let whole = system_model(piece);
-        let is_of_failure_modes = matches!(subject, Subject::FailureMode(_));
-        let counts_it = |table: &&TableOf| {
-            table.evidence == piece.id && table.is_of_failure_modes == is_of_failure_modes
+        let totals = match subject {
+            Subject::FailureMode(_) => Counted::FailureModes,
+            Subject::Requirement(_) => Counted::Requirements,
         };
-        let table = self.tables.iter().find(counts_it);
+        let table_of = |counts: Counted| {
+            let mut all = self.tables.iter();
+            all.find(|table| table.evidence == piece.id && table.counts == counts)
+        };
+        let order = match piece.finding(subject).is_some_and(is_by_subject) {
+            true => [Counted::BySubject, totals],
+            false => [totals, Counted::BySubject],
+        };
+        let table = order.into_iter().find_map(table_of);
         match table.filter(|_| whole.kind == SuspectKind::Data) {
             None => whole,
             Some(table) => SuspectAsset {
@@ -291,6 +309,11 @@ impl<'a> Matter<'a> {
         let runs = runs.iter().filter(|_| replayable);
         runs.map(of).collect()
     }
+}
+
+/// Whether a finding counts the trials of each person or session.
+pub(super) fn is_by_subject(finding: &Finding) -> bool {
+    matches!(&finding.measure, Measure::Counts { by_subject, .. } if by_subject.is_some())
 }
 
 /// The system model on which a piece of evidence rests. What was shown is that the piece differs, not which of its files

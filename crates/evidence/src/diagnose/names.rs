@@ -4,7 +4,7 @@
 //! Two names `a`, `b` of a piece of evidence were mixed up if the strengths (see [`mod@super::strength`]) with which its two
 //! rates differ from those of all other evidence under the same conditions sum to at least [`MIXED_UP`] more as they are
 //! than exchanged, and exchanged differ strongly (at least [`STRONG`]) from nobody; of several pairs the one that explains
-//! most. What was exchanged is the whole entry, or the occurrences alone (who counted opportunities by another list kept
+//! most. Both have to stand in one table: of what is counted by person or session, or of totals. What was exchanged is the whole entry, or the occurrences alone (who counted opportunities by another list kept
 //! them right; of failure modes alone): whichever explains more, of equal ones the whole. The exchange takes `T - T'` of a conflict on one of the two, `T'` being what is left with the other's rate.
 //!
 //! # Source and guarantee
@@ -12,7 +12,7 @@
 //! in [`super::rates`]). Both rates have to fit where the other stood, in all other evidence, which a single wrong rate
 //! never makes them do beyond chance.
 
-use super::matter::{Clue, Matter, name_of};
+use super::matter::{Clue, Matter, is_by_subject, name_of};
 use super::rates::figure;
 use super::strength::{Rate, STRONG, strength};
 use super::suspect::Symptom;
@@ -41,10 +41,12 @@ pub fn mixed_up<'p>(
     let mut best: Option<(f64, MixedUp<'_>)> = None;
     for (place, one) in piece.findings.iter().enumerate() {
         let alike = piece.findings[place + 1..].iter();
-        for other in alike.filter(|other| is_mode(other) == is_mode(one)) {
+        let is_alike = |other: &&Finding| {
+            is_mode(other) == is_mode(one) && is_by_subject(other) == is_by_subject(one)
+        };
+        for other in alike.filter(is_alike) {
             let (a, b) = (&one.subject, &other.subject);
-            let (Some(of_a), Some(of_b)) = (Rate::of(&one.measure), Rate::of(&other.measure))
-            else {
+            let (Some(of_a), Some(of_b)) = (Rate::of(one), Rate::of(other)) else {
                 continue;
             };
             let (now, _) = against([(a, of_a), (b, of_b)]);
@@ -71,7 +73,7 @@ pub fn mixed_up<'p>(
 /// The rates of two findings after their entries, or only their occurrences, changed places.
 fn exchanged(one: &Finding, other: &Finding, is_whole: bool) -> [Option<Rate>; 2] {
     match is_whole {
-        true => [Rate::of(&other.measure), Rate::of(&one.measure)],
+        true => [Rate::of(other), Rate::of(one)],
         false => [with_occurrences(one, other), with_occurrences(other, one)],
     }
 }
@@ -92,6 +94,7 @@ fn with_occurrences(own: &Finding, other: &Finding) -> Option<Rate> {
     let size = effective_trials.unwrap_or(trials as f64);
     (count <= trials && trials > 0).then(|| Rate::Counted {
         count: count as f64 / trials as f64 * size,
+        open: 0.0,
         trials: size,
     })
 }

@@ -121,17 +121,8 @@ impl<'a> Matter<'a> {
                 share = share.min(odd.value);
             }
         }
-        let (mut sum, mut size) = (0.0, 0.0);
-        for (_, rate) in &pool {
-            if let Rate::Counted { count, trials } = rate {
-                (sum, size) = (sum + count, size + trials);
-            }
-        }
-        let all = Rate::Counted {
-            count: sum,
-            trials: size,
-        };
-        (pool.len() > 1).then(|| share * strength(own, all, margin))
+        let all: Vec<Rate> = pool.iter().map(|(_, rate)| *rate).collect();
+        (pool.len() > 1).then(|| share * strength(own, Rate::pooled(&all), margin))
     }
 
     fn of_conflict(&self, conflict: &Comparison) -> Vec<Clue> {
@@ -544,6 +535,10 @@ impl<'a> Matter<'a> {
     }
 
     fn replaced(&self, piece: &Evidence, against: &Evidence, subject: &Subject) -> Option<String> {
+        // Another campaign on the system is no later version of this one.
+        if piece.technique.is_of_system() {
+            return None;
+        }
         let place = self.evidence.iter().position(|e| e.id == piece.id)?;
         let later = self.evidence.iter().skip(place + 1);
         let mut later =

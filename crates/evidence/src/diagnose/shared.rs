@@ -136,15 +136,24 @@ fn rate(piece: &Evidence, subject: &Subject) -> Option<Rate> {
 
 /// The rate with so many times the violations.
 fn scaled(rate: Rate, subject: &Subject, scale: f64) -> Rate {
-    let Rate::Counted { count, trials } = rate else {
+    let Rate::Counted {
+        count,
+        open,
+        trials,
+    } = rate
+    else {
         return rate;
     };
-    let count = match subject {
-        Subject::FailureMode(_) => count * scale,
-        Subject::Requirement(_) => trials - (trials - count) * scale,
-    };
+    let [least, most] = [count, count + open].map(|count| {
+        let count = match subject {
+            Subject::FailureMode(_) => count * scale,
+            Subject::Requirement(_) => trials - (trials - count) * scale,
+        };
+        count.clamp(0.0, trials)
+    });
     Rate::Counted {
-        count: count.clamp(0.0, trials),
+        count: least,
+        open: most - least,
         trials,
     }
 }

@@ -18,6 +18,9 @@
 //! that it is named, but behind all that matters. Effective sizes take the place of sizes where trials
 //! are clustered.
 //!
+//! Of runs without a verdict each may have counted or not ([`mod@crate::completions`]): two rates are weighed where these
+//! runs bring them nearest to each other, so that nobody is accused of what they alone could explain.
+//!
 //! # Source
 //! H. Jeffreys, "Theory of Probability" (3rd ed., 1961), section 5.01 and appendix B; R. E. Kass and A. E.
 //! Raftery, "Bayes factors", Journal of the American Statistical Association 90 (1995), sections 3.2 and
@@ -29,7 +32,7 @@
 //! the midpoint rule, over the part of it that has likelihood: relative error below 1e-3 of the Bayes
 //! factor (tested against exact integrals).
 
-use crate::{Evidence, Measure, Subject};
+use crate::{Evidence, Finding, Measure, Subject};
 use stats::special::ln_gamma;
 
 /// What is strong evidence, in decades: a Bayes factor of 10, by Jeffreys' scale.
@@ -50,10 +53,12 @@ const POINTS: u32 = 2048;
 /// What is known of a rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rate {
-    /// Counts, worth `count` of `trials` independent ones.
+    /// Counts, worth `count` of `trials` independent ones, or up to `open` more of as many.
     Counted {
-        /// How often.
+        /// How often at the least.
         count: f64,
+        /// How many of the others may count or not.
+        open: f64,
         /// Of how many.
         trials: f64,
     },
@@ -65,7 +70,34 @@ pub enum Rate {
 
 impl Rate {
     /// The rate of a finding, if it has one.
-    pub fn of(measure: &Measure) -> Option<Self> {
+    pub fn of(finding: &Finding) -> Option<Self> {
+        let whole = Self::decided(&finding.measure);
+        let Some(completions) = &finding.completions else {
+            return whole;
+        };
+        let ends: Vec<[f64; 2]> = completions
+            .ends
+            .iter()
+            .filter_map(|end| match Self::decided(end)? {
+                Self::Counted { count, trials, .. } => Some([count / trials, trials]),
+                Self::Computed(_) | Self::Never => None,
+            })
+            .collect();
+        let least = ends.iter().map(|it| it[0]).fold(f64::INFINITY, f64::min);
+        let most = ends.iter().map(|it| it[0]).fold(0.0, f64::max);
+        let trials = ends.iter().map(|it| it[1]).fold(f64::INFINITY, f64::min);
+        match ends.is_empty() {
+            true => whole,
+            false => Some(Self::Counted {
+                count: least * trials,
+                open: (most - least) * trials,
+                trials,
+            }),
+        }
+    }
+
+    /// That of what is known of all runs.
+    fn decided(measure: &Measure) -> Option<Self> {
         match measure {
             Measure::Counts {
                 count,
@@ -77,6 +109,7 @@ impl Rate {
                 let share = *count as f64 / *trials as f64;
                 Some(Self::Counted {
                     count: share * size,
+                    open: 0.0,
                     trials: size,
                 })
             }
@@ -88,11 +121,12 @@ impl Rate {
     /// The rate of a piece on a subject, if it has one. A failure mode of which a model computes exactly 0, by a method
     /// whose bounds hold, is excluded by it.
     pub fn on(piece: &Evidence, subject: &Subject) -> Option<Self> {
-        match &piece.finding(subject)?.measure {
+        let finding = piece.finding(subject)?;
+        match &finding.measure {
             Measure::Probability { answer, .. } if !answer.guarantee.is_estimated() => {
                 Some(Self::claimed(answer.value, subject))
             }
-            measure => Self::of(measure),
+            _ => Self::of(finding),
         }
     }
 
@@ -127,9 +161,64 @@ impl Rate {
     pub fn counted(count: u64, trials: u64) -> Self {
         Self::Counted {
             count: count as f64,
+            open: 0.0,
             trials: trials as f64,
         }
     }
+
+    /// All that were counted as one count.
+    pub(super) fn pooled(rates: &[Self]) -> Self {
+        let (mut count, mut open, mut trials) = (0.0, 0.0, 0.0);
+        for rate in rates {
+            if let Self::Counted {
+                count: k,
+                open: u,
+                trials: n,
+            } = rate
+            {
+                (count, open, trials) = (count + k, open + u, trials + n);
+            }
+        }
+        Self::Counted {
+            count,
+            open,
+            trials,
+        }
+    }
+
+    /// The least and the greatest share that it may be.
+    #[must_use]
+    pub fn shares(self) -> [f64; 2] {
+        match self {
+            Self::Counted { trials, .. } if trials <= 0.0 => [0.0, 1.0],
+            Self::Counted {
+                count,
+                open,
+                trials,
+            } => [count / trials, (count + open) / trials],
+            Self::Computed(value) => [value; 2],
+            Self::Never => [0.0; 2],
+        }
+    }
+
+    /// What is counted, of how many, if the open ones bring it as near to a share as they can.
+    fn toward(self, share: f64) -> Option<[f64; 2]> {
+        match self {
+            Self::Counted {
+                count,
+                open,
+                trials,
+            } => Some([(share * trials).clamp(count, count + open), trials]),
+            Self::Computed(_) | Self::Never => None,
+        }
+    }
+}
+
+/// The share at which two rates are nearest to each other.
+fn meeting(one: Rate, other: Rate) -> f64 {
+    let ([low, high], [other_low, other_high]) = (one.shares(), other.shares());
+    // Between the inner ends, whether these leave a gap or overlap.
+    (low.max(other_low) + high.min(other_high)) / 2.0
 }
 
 /// How strongly two rates differ, from 0 (not at all) to [`CERTAIN`].
@@ -154,24 +243,23 @@ pub fn signed_strength(one: Rate, other: Rate, margin: f64) -> f64 {
 
 /// The decimal logarithm of the Bayes factor.
 fn against_one_rate(one: Rate, other: Rate, margin: f64) -> f64 {
-    match (one, other) {
-        (
-            Rate::Counted { count, trials },
-            Rate::Counted {
-                count: other_count,
-                trials: other_trials,
-            },
-        ) => {
+    let share = meeting(one, other);
+    match (one.toward(share), other.toward(share)) {
+        (Some([count, trials]), Some([other_count, other_trials])) => {
             let apart = marginal(count, trials) + marginal(other_count, other_trials);
             in_decades(apart - marginal(count + other_count, trials + other_trials))
         }
-        (claim, Rate::Counted { count, trials }) | (Rate::Counted { count, trials }, claim) => {
+        (Some([count, trials]), None) | (None, Some([count, trials])) => {
+            let claim = match one {
+                Rate::Counted { .. } => other,
+                Rate::Computed(_) | Rate::Never => one,
+            };
             let value = claim.computed().unwrap_or_default();
             let one_rate = near(value, claim.window(margin), count, trials);
             in_decades(marginal(count, trials) - one_rate)
         }
-        (a, b) => {
-            let [a, b] = [a, b].map(|it| it.computed().unwrap_or_default());
+        (None, None) => {
+            let [a, b] = [one, other].map(|it| it.computed().unwrap_or_default());
             match (a - b).abs() <= margin {
                 true => 0.0,
                 false => CERTAIN,
@@ -193,39 +281,51 @@ fn ln_beta(a: f64, b: f64) -> f64 {
     ln_gamma(a) + ln_gamma(b) - ln_gamma(a + b)
 }
 
-/// `ln P(data | all have one rate)`; of equal computed values nothing is left to explain.
+/// How often the open runs of several counts are brought nearer to the rate of all.
+const ROUNDS: u32 = 8;
+
+/// `ln P(data | all have one rate)`; of equal computed values nothing is left to explain. Open runs count as they fit best.
 pub fn ln_together(rates: &[Rate], margin: f64) -> f64 {
-    let (mut count, mut trials) = (0.0, 0.0);
     let mut computed: Option<f64> = None;
     let mut window = margin;
     for rate in rates {
-        match *rate {
-            Rate::Counted {
-                count: k,
-                trials: n,
-            } => {
-                count += k;
-                trials += n;
+        if let Some(value) = rate.computed() {
+            if computed.is_some_and(|first| (first - value).abs() > margin) {
+                return -CERTAIN * std::f64::consts::LN_10;
             }
-            Rate::Computed(_) | Rate::Never => {
-                let value = rate.computed().unwrap_or_default();
-                if computed.is_some_and(|first| (first - value).abs() > margin) {
-                    return -CERTAIN * std::f64::consts::LN_10;
-                }
-                // That it cannot happen says more than that it is rare.
-                computed = match *rate {
-                    Rate::Never => Some(0.0),
-                    _ => computed.or(Some(value)),
-                };
-                window = window.min(rate.window(margin));
-            }
+            // That it cannot happen says more than that it is rare.
+            computed = match *rate {
+                Rate::Never => Some(0.0),
+                _ => computed.or(Some(value)),
+            };
+            window = window.min(rate.window(margin));
         }
     }
+    let [count, trials] = pooled(rates, computed);
     let found = match computed {
         Some(value) => near(value, window, count, trials),
         None => marginal(count, trials),
     };
     found.max(marginal(count, trials) - CERTAIN * std::f64::consts::LN_10)
+}
+
+/// All counts in one, their open runs as near to the computed value, or else to the share of all, as they can be.
+fn pooled(rates: &[Rate], computed: Option<f64>) -> [f64; 2] {
+    let summed = |share: &dyn Fn(Rate) -> f64| {
+        let counted = rates.iter().filter_map(|rate| rate.toward(share(*rate)));
+        counted.fold([0.0, 0.0], |sum, [count, trials]| {
+            [sum[0] + count, sum[1] + trials]
+        })
+    };
+    if let Some(value) = computed {
+        return summed(&|_| value);
+    }
+    let mut sum = summed(&|rate| rate.shares().iter().sum::<f64>() / 2.0);
+    for _ in 0..ROUNDS {
+        let share = sum[0] / sum[1].max(1.0);
+        sum = summed(&|_| share);
+    }
+    sum
 }
 
 /// The logarithm of the mean likelihood of counts over `value - window .. value + window`.
@@ -331,7 +431,7 @@ mod tests {
     #[test]
     fn clustered_trials_are_worth_less() {
         let of = |effective_trials| {
-            Rate::of(&Measure::Counts {
+            Rate::decided(&Measure::Counts {
                 by_subject: None,
                 subjects: None,
                 count: 20,
@@ -346,5 +446,47 @@ mod tests {
         };
         let other = Rate::counted(3, 100);
         assert!(strength(of(Some(50.0)), other, 0.05) < strength(of(None), other, 0.05));
+    }
+
+    /// Against every way in which the open runs may have ended, one after the other.
+    #[test]
+    fn open_runs_count_as_they_bring_two_rates_nearest() {
+        let open = |count: u64, open: u64, trials: u64| Rate::Counted {
+            count: count as f64,
+            open: open as f64,
+            trials: trials as f64,
+        };
+        let least = |one: (u64, u64, u64), other: &dyn Fn(u64) -> Rate, many: u64| {
+            let ways = (0..=one.1).flat_map(|k| (0..=many).map(move |l| (k, l)));
+            ways.map(|(k, l)| strength(Rate::counted(one.0 + k, one.2), other(l), 0.05))
+                .fold(f64::INFINITY, f64::min)
+        };
+        for one in [(80, 15, 100), (10, 5, 40), (0, 30, 60), (58, 2, 60)] {
+            let own = open(one.0, one.1, one.2);
+            for (count, many, trials) in [(40, 0, 50), (5, 20, 50), (1, 3, 30), (70, 5, 200)] {
+                let found = strength(own, open(count, many, trials), 0.05);
+                let least = least(one, &|more| Rate::counted(count + more, trials), many);
+                assert!(
+                    found <= least + 0.02 && found > least - 0.2,
+                    "{found} {least}"
+                );
+            }
+            for value in [0.0, 0.3, 0.97] {
+                let found = strength(own, Rate::Computed(value), 0.05);
+                let least = least(one, &|_| Rate::Computed(value), 0);
+                assert!((found - least).abs() < 0.2, "{found} {least}");
+            }
+        }
+        // Twelve of twenty open runs explain the whole difference.
+        assert!(strength(open(70, 20, 100), Rate::counted(82, 100), 0.05) < STRONG);
+        assert!(strength(Rate::counted(70, 80), Rate::counted(30, 100), 0.05) > 2.0);
+    }
+
+    #[test]
+    fn what_nobody_saw_speaks_for_nothing() {
+        for other in [Rate::counted(3, 40), Rate::Computed(0.5), Rate::Never] {
+            assert_eq!(strength(Rate::counted(0, 0), other, 0.05), 0.0);
+            assert!(ln_together(&[Rate::counted(0, 0), other], 0.05).is_finite());
+        }
     }
 }

@@ -6,11 +6,13 @@
 
 use super::{
     Changed, ModelChange, NEAR, Read, Refusal, SetConstant, Solver, rate_of,
-    solving::{FARTHEST, digits, rate_with, with_value},
+    solving::{FARTHEST, digits, rate_with},
 };
 use crate::counts::Counts;
 use crate::draws::{Equality, of_guard, value_of};
-use crate::solve;
+use crate::number::Number;
+use crate::solve::{self, Scale};
+use evidence::Subject;
 use prism_lang::ast::{Command, Expr, ExprKind, Model, ModuleBody, Update};
 use prism_lang::edit;
 
@@ -51,9 +53,11 @@ impl ModelChange {
                         name: branched.constant,
                         is_complement: false,
                         is_solved: false,
+                        value: None,
                     }),
                     values,
                     notes: Vec::new(),
+                    alternatives: Vec::new(),
                     settled: None,
                 });
             }
@@ -95,9 +99,12 @@ impl ModelChange {
             let branched = with_branch(read, (command, None), mode, occurs, counts).ok()?;
             let read = Read::new(&branched.text).ok()?;
             let name = &branched.constant;
-            let mut rate = |value: f64| rate_with(&read, solver, name, value, mode);
-            let value = solve::crossing(&mut rate, counts.rate(), counts.rate(), FARTHEST)?;
-            let text = with_value(&read, name, value).ok()?;
+            let number = Number::Constant(name.clone());
+            let subject = Subject::FailureMode(mode.clone());
+            let mut rate = |value: f64| rate_with(&read, solver, &number, value, &subject);
+            let start = (counts.rate(), Scale::Odds);
+            let value = solve::crossing(&mut rate, start, counts.rate(), FARTHEST)?;
+            let text = number.set(&read, value).ok()?;
             Some(Changed {
                 values: solver.values(&text).ok()?,
                 text,
@@ -111,8 +118,10 @@ impl ModelChange {
                     name: name.clone(),
                     is_complement: false,
                     is_solved: true,
+                    value: Some(value),
                 }),
                 notes: Vec::new(),
+                alternatives: Vec::new(),
                 settled: None,
             })
         })

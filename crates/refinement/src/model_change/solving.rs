@@ -1,21 +1,22 @@
-//! A constant that acts more than once in a run, or with others, is solved for ([`ModelChange::Solve`]).
+//! A number that acts more than once in a run, or with others, is solved for ([`ModelChange::Solve`]).
 
 use super::{
     Changed, Deciding, ModelChange, NEAR, Read, Refusal, SAME, SetConstant, Solver, Values,
-    deciding, deciding_constant, once, rate, rate_of,
+    deciding, deciding_constant, once, rate, rate_of, value_of,
 };
 use crate::counts::Counts;
-use crate::solve;
-use prism_lang::edit;
+use crate::number::{Number, numbers};
+use crate::solve::{self, Scale};
+use evidence::Subject;
 
 /// The most that the log-odds of a constant are changed: a factor of about 160 000.
-pub(super) const FARTHEST: f64 = 12.0;
+pub(crate) const FARTHEST: f64 = 12.0;
 
 /// What the log-odds of a constant have to be changed for a change of the structure to be as likely.
 const STRUCTURE: f64 = std::f64::consts::LN_10;
 
 /// Decades of disagreement that do not tell two changes apart.
-const AS_GOOD: f64 = 0.5;
+pub(crate) const AS_GOOD: f64 = 0.5;
 
 /// A change that gives the counted rate, what it leaves of the disagreement with all evidence, and how large it is.
 struct Candidate {
@@ -52,7 +53,7 @@ pub(crate) fn rate_or_solve(
     }
     let distance = |value: f64| {
         let now = deciding_constant(text, &occurs).map_or(value, |(_, now)| now);
-        (solve::log_odds(value) - solve::log_odds(now)).abs()
+        Scale::Odds.distance(value, now)
     };
     let mut options = Vec::new();
     if let Ok(changed) = &set
@@ -113,11 +114,14 @@ fn solved_options(
 ) -> Result<Vec<Candidate>, Refusal> {
     let read = Read::new(text)?;
     let (names, is_any) = match deciding(&read, occurs)? {
-        Deciding::Constant(name) => (vec![name], false),
-        Deciding::Expression(names) => (names, false),
-        Deciding::Certain => (read.chances(), true),
+        Deciding::Constant(name) => (constants(vec![name]), false),
+        // Its chance is written into a command.
+        Deciding::Expression(names) if names.is_empty() => (numbers(&read), true),
+        Deciding::Expression(names) => (constants(names), false),
+        Deciding::Certain => (constants(read.chances()), true),
     };
-    let mut found = solved(text, solver, &names, (mode, counts))?;
+    let subject = Subject::FailureMode(mode.to_owned());
+    let mut found = solved(text, solver, &names, (&subject, counts))?;
     if !is_any {
         // Constants of one expression act at one place: the smaller change is as good a guess as any.
         found.truncate(1);
@@ -126,13 +130,25 @@ fn solved_options(
         left: left(&it.changed.values),
         size: it.size,
         change: ModelChange::Solve {
-            mode: mode.to_owned(),
-            constant: it.constant,
+            subject: subject.clone(),
+            number: it.number,
             counts: counts.clone(),
         },
         changed: it.changed,
     };
     Ok(found.into_iter().map(candidate).collect())
+}
+
+fn constants(names: Vec<String>) -> Vec<Number> {
+    names.into_iter().map(Number::Constant).collect()
+}
+
+/// A number as it is called in words: a constant by its name, a literal with its line.
+fn at_its_line(number: &Number, text: &str) -> String {
+    match (number, number.line(text)) {
+        (Number::Literal { digits, .. }, Some(line)) => format!("{digits} of line {line}"),
+        _ => number.name().to_owned(),
+    }
 }
 
 /// The one that leaves least disagreement; of those that leave as much, the smallest.
@@ -146,69 +162,75 @@ fn best(options: Vec<Candidate>) -> Option<(ModelChange, Changed)> {
     Some((best.change, best.changed))
 }
 
-/// A model with a constant solved for.
-pub(super) struct Solved {
-    constant: String,
+/// A model with a number solved for.
+pub(crate) struct Solved {
+    pub(crate) number: Number,
     /// How far its log-odds moved.
     size: f64,
-    pub(super) changed: Changed,
+    pub(crate) changed: Changed,
 }
 
 /// The models with each of these constants solved for, of those with which the model has the counted rate; the smallest
 /// change first.
-pub(super) fn solved(
+pub(crate) fn solved(
     text: &str,
     solver: &dyn Solver,
-    names: &[String],
-    (mode, counts): (&str, &Counts),
+    names: &[Number],
+    (subject, counts): (&Subject, &Counts),
 ) -> Result<Vec<Solved>, Refusal> {
     let read = Read::new(text)?;
-    let mut found: Vec<(f64, &String, f64)> = Vec::new();
+    let mut found: Vec<(f64, &Number, f64)> = Vec::new();
     for name in names {
-        let Some(now) = read
-            .constant(name)
-            .filter(|value| *value > 0.0 && *value < 1.0)
-        else {
+        let Some((now, scale)) = name.value(&read) else {
             continue;
         };
-        let mut rate = |value: f64| rate_with(&read, solver, name, value, mode);
-        if let Some(value) = solve::crossing(&mut rate, now, counts.rate(), FARTHEST) {
-            let distance = (solve::log_odds(value) - solve::log_odds(now)).abs();
-            found.push((distance, name, value));
+        let mut rate = |value: f64| rate_with(&read, solver, name, value, subject);
+        if let Some(value) = solve::crossing(&mut rate, (now, scale), counts.rate(), FARTHEST) {
+            found.push((scale.distance(value, now), name, value));
         }
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     if found.is_empty() {
         return Err(match names {
             [] => "its probability has no constant of the model".into(),
-            all => format!("no value of {} gives the counted rate", all.join(" or ")),
+            all => {
+                let names: Vec<&str> = all.iter().map(Number::name).collect();
+                format!("no value of {} gives the counted rate", names.join(" or "))
+            }
         });
     }
-    let one = |(size, name, value): &(f64, &String, f64)| {
+    let one = |(size, name, value): &(f64, &Number, f64)| {
         let others = found.iter().filter(|(_, other, _)| other != name);
         let notes: Vec<String> = others
             .map(|(_, name, value)| {
-                format!("{name} = {} would give the same rate.", digits(*value))
+                format!(
+                    "{} = {} would give the same rate.",
+                    name.name(),
+                    digits(*value)
+                )
             })
             .collect();
-        let text = with_value(&read, name, *value)?;
+        let text = name.set(&read, *value)?;
         Ok(Solved {
-            constant: (*name).clone(),
+            number: (*name).clone(),
             size: *size,
             changed: Changed {
                 values: solver.values(&text)?,
                 text,
                 what: format!(
-                    "{name} set to {}, with which the rate is that of {}",
+                    "{} set to {}, with which the rate is that of {}",
+                    at_its_line(name, read.text),
                     digits(*value),
                     counts.words()
                 ),
                 constant: Some(SetConstant {
-                    name: (*name).clone(),
+                    name: at_its_line(name, read.text),
                     is_complement: false,
                     is_solved: true,
+                    value: Some(*value),
                 }),
                 notes,
+                alternatives: Vec::new(),
                 settled: None,
             },
         })
@@ -217,23 +239,23 @@ pub(super) fn solved(
 }
 
 /// The change with what the interval of the counts leaves open, where a constant was solved for.
-pub(super) fn with_interval(
+pub(crate) fn with_interval(
     text: &str,
     solver: &dyn Solver,
     (change, mut changed): (ModelChange, Changed),
 ) -> (ModelChange, Changed) {
     if let ModelChange::Solve {
-        mode,
-        constant,
+        subject,
+        number,
         counts,
     } = &change
         && let Ok(read) = Read::new(text)
-        && let Ok(now) = Read::new(&changed.text)
-        && let Some(value) = now.constant(constant)
-        && let Some([low, high]) = interval_of(&read, solver, constant, value, (mode, counts))
+        && let Some(value) = changed.constant.as_ref().and_then(|it| it.value)
+        && let Some([low, high]) = interval_of(&read, solver, number, value, (subject, counts))
     {
         changed.notes.push(format!(
-            "{constant} lies between {} and {}, by the 95 % interval of the counts.",
+            "{} lies between {} and {}, by the 95 % interval of the counts.",
+            at_its_line(number, text),
             digits(low),
             digits(high)
         ));
@@ -245,36 +267,32 @@ pub(super) fn with_interval(
 fn interval_of(
     read: &Read,
     solver: &dyn Solver,
-    name: &str,
+    number: &Number,
     value: f64,
-    (mode, counts): (&str, &Counts),
+    (subject, counts): (&Subject, &Counts),
 ) -> Option<[f64; 2]> {
     let sample = stats::Sample::new(counts.count, counts.trials).ok()?;
     let wanted = stats::clopper_pearson(sample, stats::Confidence::P95);
-    let mut rate = |value: f64| rate_with(read, solver, name, value, mode);
-    let one = solve::crossing(&mut rate, value, wanted.low, FARTHEST)?;
-    let other = solve::crossing(&mut rate, value, wanted.high, FARTHEST)?;
+    let (_, scale) = number.value(read)?;
+    let mut rate = |value: f64| rate_with(read, solver, number, value, subject);
+    let one = solve::crossing(&mut rate, (value, scale), wanted.low, FARTHEST)?;
+    let other = solve::crossing(&mut rate, (value, scale), wanted.high, FARTHEST)?;
     Some([one.min(other), one.max(other)])
-}
-
-pub(super) fn with_value(read: &Read, name: &str, value: f64) -> Result<String, Refusal> {
-    let edits = edit::set_constant(&read.tree, name, &digits(value)).map_err(|e| e.to_string())?;
-    edit::apply(read.text, &edits).map_err(|e| e.to_string())
 }
 
 pub(super) fn rate_with(
     read: &Read,
     solver: &dyn Solver,
-    name: &str,
+    number: &Number,
     value: f64,
-    mode: &str,
+    subject: &Subject,
 ) -> Option<f64> {
-    let text = with_value(read, name, value).ok()?;
-    rate_of(&solver.values(&text).ok()?, mode)
+    let text = number.set(read, value).ok()?;
+    value_of(&solver.values(&text).ok()?, subject)
 }
 
-/// A constant with six significant digits, as the PRISM language reads it.
-pub(super) fn digits(value: f64) -> String {
+/// A number with six significant digits, as the PRISM language reads it.
+pub(crate) fn digits(value: f64) -> String {
     let digits: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     format!("{digits}")
 }

@@ -21,7 +21,7 @@ use crate::technique::counted::{CountedConstant, Sources, counts_as_inputs};
 use crate::technique::files::Files;
 use crate::technique::{Influence, Produced};
 use crate::verify::Audit;
-use diagnostic::{Cancel, Problem};
+use diagnostic::{Cancel, Problem, Source};
 use evidence::{
     AssetRole, Cost, CredibleInterval, Denominator, Finding, Guarantee, Measure, MethodAnswer,
     Subject, Tool,
@@ -89,17 +89,25 @@ impl Technique for FaultTrees<'_> {
     }
 }
 
-/// What an entry's fault tree answers by its plain values with another mission time, by subject.
+/// What of a fault tree is otherwise than its entry has it.
+pub(crate) enum TreeChange<'t> {
+    /// The time under way.
+    MissionTime(f64),
+    /// The text of the tree.
+    Text(&'t str),
+}
+
+/// What an entry's fault tree answers by its plain values with a change, by subject.
 ///
 /// # Errors
 /// What cannot be read or analysed; an entry of another technique answers nothing.
 pub(crate) fn tree_values(
     asked: Asked<'_>,
-    mission_time: f64,
+    change: &TreeChange<'_>,
 ) -> Result<BTreeMap<Subject, Option<f64>>, Problem> {
     let Work::FaultTree {
         tree,
-        mission_time: _,
+        mission_time,
         events,
         is_triggered,
     } = &asked.entry.work
@@ -108,11 +116,23 @@ pub(crate) fn tree_values(
     };
     let trees = FaultTrees {
         tree,
-        mission_time: Some(mission_time),
+        mission_time: match change {
+            TreeChange::MissionTime(time) => Some(*time),
+            TreeChange::Text(_) => *mission_time,
+        },
         events,
         is_triggered: *is_triggered,
     };
-    let ready = trees.read(asked, &Files::of(&asked.study.folder))?;
+    let source = match change {
+        TreeChange::MissionTime(_) => {
+            Files::of(&asked.study.folder).text(AssetRole::SystemModel, tree)?
+        }
+        TreeChange::Text(text) => Source {
+            name: tree.display().to_string(),
+            text: (*text).to_owned(),
+        },
+    };
+    let ready = trees.read_source(asked, &source)?;
     let mut found = BTreeMap::new();
     for (subject, event) in &ready.events {
         let analysis = Analysis::new(&ready.tree, *event, Options::default(), &asked.host.cancel)?;
@@ -125,6 +145,10 @@ pub(crate) fn tree_values(
 impl FaultTrees<'_> {
     fn read<'a>(&self, asked: Asked<'a>, files: &Files<'_>) -> Result<Ready<'a>, Problem> {
         let source = files.text(AssetRole::SystemModel, self.tree)?;
+        self.read_source(asked, &source)
+    }
+
+    fn read_source<'a>(&self, asked: Asked<'a>, source: &Source) -> Result<Ready<'a>, Problem> {
         let settings = Settings {
             mission_time: self
                 .mission_time
@@ -132,8 +156,8 @@ impl FaultTrees<'_> {
         };
         let is_xml = self.tree.extension().is_some_and(|it| it == "xml");
         let reading = match is_xml {
-            true => fault_tree::read_open_psa(&source, &settings)?,
-            false => fault_tree::read_galileo(&source, &settings)?,
+            true => fault_tree::read_open_psa(source, &settings)?,
+            false => fault_tree::read_galileo(source, &settings)?,
         };
         for warning in &reading.warnings {
             asked.host.events.say(&warning.warning_line());

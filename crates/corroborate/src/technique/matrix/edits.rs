@@ -40,7 +40,7 @@ mod scratch;
 use super::candidates::{Reach, TextEdit, candidates, limits};
 use super::{Diagnosing, Gathered};
 use crate::technique::experiment::Tables;
-use crate::technique::kinds::{Asked, tree_values};
+use crate::technique::kinds::{Asked, TreeChange, tree_values};
 use crate::technique::model_checking::Compiled;
 use crate::technique::operation::only_violations;
 use crate::technique::simulation;
@@ -283,7 +283,7 @@ impl Diagnosing<'_> {
         });
         Ok(answers(
             Some(&now.collect()),
-            &tree_values(asked, time)?,
+            &tree_values(asked, &TreeChange::MissionTime(time))?,
             known,
         ))
     }

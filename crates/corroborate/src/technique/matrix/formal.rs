@@ -14,6 +14,7 @@ use evidence::{
 };
 use judging::Judges;
 use rayon::prelude::*;
+use std::ops::RangeInclusive;
 use temporal::monitor::Verdict;
 
 /// How much of a difference a sampled answer forgives: the width of the solver's own bounds.
@@ -22,6 +23,10 @@ const SOLVED: f64 = 1e-6;
 /// A sampled answer that is farther off than would happen once in a thousand diagnoses is a clue: paths are
 /// cheap, so a level that cries wolf in one of twenty is not needed.
 const BY_CHANCE: f64 = 1e-3;
+
+/// What differs is sampled again, by so many times as many fresh paths: nobody is accused by paths that were looked at to choose
+/// whom to accuse.
+const FRESH: u64 = 4;
 
 /// A computed answer with what its model's paths show. Paths that were cut before a verdict may all count and may all
 /// not: `nearest` are the counts that come closest to the answer, and nothing is said that they do not show.
@@ -64,17 +69,30 @@ impl Diagnosing<'_> {
         let subjects = self.study.forms.subjects.iter();
         let own = subjects.filter(|form| self.is_own(&form.subject));
         let forms: Vec<PathForm<'_>> = own.flat_map(|form| paths.forms(form)).collect();
-        let verdicts = self.judged(id, paths, &forms)?;
         let first = gathered.cells.len();
-        let mut place = 0;
-        for of_subject in forms.chunk_by(|a, b| a.subject == b.subject) {
-            let range = place..place + of_subject.len();
-            place = range.end;
-            self.of_subject(id, of_subject, range.start, &verdicts, gathered)?;
-        }
+        let paths_of = |numbers: RangeInclusive<u64>, into: &mut Gathered| {
+            let verdicts = self.judged(id, paths, &forms, numbers)?;
+            let mut place = 0;
+            for of_subject in forms.chunk_by(|a, b| a.subject == b.subject) {
+                let range = place..place + of_subject.len();
+                place = range.end;
+                self.of_subject(id, of_subject, range.start, &verdicts, into)?;
+            }
+            Ok::<_, Problem>(())
+        };
+        paths_of(1..=self.effort.paths, gathered)?;
         let cells = gathered.cells[first..].to_vec();
         if let Some(piece) = self.result.evidence.iter().find(|e| e.id == id) {
-            self.against_computed(piece, cells, gathered);
+            let again = || {
+                let mut fresh = Gathered::default();
+                let from = self.effort.paths + 1;
+                paths_of(
+                    from..=self.effort.paths.saturating_mul(1 + FRESH),
+                    &mut fresh,
+                )?;
+                Ok(fresh.cells)
+            };
+            self.against_computed(piece, cells, &again, gathered)?;
         }
         Ok(())
     }
@@ -91,6 +109,7 @@ impl Diagnosing<'_> {
         id: &str,
         paths: &ModelPaths,
         forms: &[PathForm<'_>],
+        numbers: RangeInclusive<u64>,
     ) -> Result<Vec<Vec<Verdict>>, Problem> {
         let able = forms
             .iter()
@@ -98,8 +117,9 @@ impl Diagnosing<'_> {
         let judges = Judges::without_study(paths.vocabulary(), able)?;
         let seeds = path_seeds(self.study.about.seed, id);
         let title = format!("{id}: paths");
-        let stage = self.setting.events.begin(&title, self.effort.paths);
-        let numbers = (1..=self.effort.paths).into_par_iter();
+        let many = numbers.end() + 1 - numbers.start();
+        let stage = self.setting.events.begin(&title, many);
+        let numbers = numbers.into_par_iter();
         numbers
             .map(|number| {
                 self.setting.go_on()?;
@@ -195,16 +215,29 @@ impl Diagnosing<'_> {
         Ok(())
     }
 
-    /// Holds the computed answers of a model against its paths.
-    fn against_computed(&self, piece: &Evidence, cells: Vec<Cell>, gathered: &mut Gathered) {
-        let properties = cells.into_iter();
-        let properties = properties.filter(|c| c.judged_by == JudgedBy::Property && c.trials > 0);
-        let sampled: Vec<Sampled> = properties.flat_map(|cell| sampled(piece, &cell)).collect();
+    /// Holds the computed answers of a model against its paths, and those that differ against fresh ones, which `again` draws.
+    fn against_computed(
+        &self,
+        piece: &Evidence,
+        cells: Vec<Cell>,
+        again: &dyn Fn() -> Result<Vec<Cell>, Problem>,
+        gathered: &mut Gathered,
+    ) -> Result<(), Problem> {
+        let sampled = of_properties(piece, cells);
         if sampled.is_empty() {
-            return;
+            return Ok(());
         }
-        let p_values: Vec<f64> = sampled.iter().map(|s| s.p_value).collect();
-        let corrected = stats::holm(&p_values);
+        let off = beyond_chance(&sampled);
+        let fresh = match off.is_empty() {
+            true => Vec::new(),
+            false => of_properties(piece, again()?),
+        };
+        let is_off = |of: &Sampled| {
+            off.iter()
+                .any(|(it, _)| it.subject == of.subject && it.method == of.method)
+        };
+        let fresh: Vec<Sampled> = fresh.into_iter().filter(is_off).collect();
+        let off = beyond_chance(&fresh);
         for cell in sampled.iter().map(|s| &s.cell).filter(|c| c.undecided > 0) {
             let (id, of) = (cell.subject.id(), cell.runs);
             let said = format!(
@@ -221,11 +254,6 @@ impl Diagnosing<'_> {
             interval.is_some_and(|i| i.low <= s.computed && s.computed <= i.high)
         });
         let inside = inside.count();
-        let off: Vec<(&Sampled, f64)> = sampled
-            .iter()
-            .zip(corrected)
-            .filter(|(_, p)| *p < BY_CHANCE)
-            .collect();
         gathered.in_order.push(format!(
             "{}: {} of {} computed answers lie in the interval of {} sampled paths; {} differ beyond chance",
             piece.id,
@@ -238,6 +266,7 @@ impl Diagnosing<'_> {
             .into_iter()
             .map(|(it, p)| self.sampled_otherwise(piece, it, p));
         gathered.clues.extend(clues);
+        Ok(())
     }
 
     fn sampled_otherwise(&self, piece: &Evidence, it: &Sampled, p_value: f64) -> Clue {
@@ -297,6 +326,21 @@ impl Diagnosing<'_> {
             resolved_by: None,
         }
     }
+}
+
+/// The answers of properties that paths were sampled for.
+fn of_properties(piece: &Evidence, cells: Vec<Cell>) -> Vec<Sampled> {
+    let properties = cells.into_iter();
+    let properties = properties.filter(|c| c.judged_by == JudgedBy::Property && c.trials > 0);
+    properties.flat_map(|cell| sampled(piece, &cell)).collect()
+}
+
+/// Those that differ from what was sampled beyond chance, with their corrected p-values.
+fn beyond_chance(sampled: &[Sampled]) -> Vec<(&Sampled, f64)> {
+    let p_values: Vec<f64> = sampled.iter().map(|s| s.p_value).collect();
+    let corrected = stats::holm(&p_values);
+    let pairs = sampled.iter().zip(corrected);
+    pairs.filter(|(_, p)| *p < BY_CHANCE).collect()
 }
 
 /// The seeds of a model's paths.

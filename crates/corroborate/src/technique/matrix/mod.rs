@@ -15,6 +15,7 @@ mod cells;
 mod edits;
 mod events;
 mod formal;
+mod lines;
 mod outliers;
 mod paths;
 mod repeated;
@@ -95,7 +96,9 @@ pub fn diagnose(
     let contrasts = contrasts(&gathered.cells, &gathered.same, |subject| {
         matter.margin(subject)
     });
-    let suspects = evidence::rank(&matter, gathered.clues);
+    let clues = std::mem::take(&mut gathered.clues);
+    let mut suspects = evidence::rank(&matter, clues);
+    diagnosing.lines(&mut suspects, &mut gathered)?;
     Ok(Diagnosis {
         inputs: inputs_of(result),
         effort: effort.clone(),

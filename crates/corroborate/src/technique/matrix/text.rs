@@ -49,7 +49,7 @@ pub fn as_text(diagnosis: &Diagnosis, study: &str) -> String {
     }
     listed("\nIn order", &diagnosis.in_order, &mut out);
     listed("\nNot looked at", &diagnosis.not_done, &mut out);
-    out.push_str("\nSuspects (score: log10 of the Bayes factor of the disagreement that goes away without it; above 2 is decisive)\n");
+    out.push_str("\nSuspects (score: log10 of the Bayes factor of the disagreement that goes away without it, times the suspect's share of the blame; above 2 is decisive)\n");
     if diagnosis.suspects.is_empty() {
         out.push_str("  none\n");
     }

@@ -2,6 +2,7 @@
 //! first order.
 
 use super::*;
+use evidence::Counted;
 
 fn suspects(ledger: &[Evidence], conflicts: &[Comparison], more: Vec<Clue>) -> Vec<Suspect> {
     let (requirements, failure_modes) = (requirements(), modes());
@@ -92,7 +93,7 @@ fn columns_and_rows_of_requirements_that_were_exchanged_are_located_in_their_tab
     ];
     let tables = [TableOf {
         evidence: "X".into(),
-        is_of_failure_modes: false,
+        counts: Counted::Requirements,
         file: "r.csv".into(),
         bound_in: None,
     }];

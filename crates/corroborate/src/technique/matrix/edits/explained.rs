@@ -136,7 +136,11 @@ impl Explained {
     /// anything.
     pub(super) fn is_constant(&self, evidence: &[Evidence]) -> bool {
         let is_extreme = |rate: Rate| match rate {
-            Rate::Counted { count, trials } => count <= 0.0 || count >= trials,
+            Rate::Counted {
+                count,
+                open,
+                trials,
+            } => count + open <= 0.0 || count >= trials,
             Rate::Computed(value) => value <= SAME || value >= 1.0 - SAME,
             Rate::Never => true,
         };

@@ -1,0 +1,210 @@
+//! Lines of formal models and fault trees that are suspected as a whole.
+//!
+//! # Definition
+//! For each model that an open suspect names without a line, what could be changed in it is made and tried
+//! ([`refinement::Ground::of_model`]). Of the changes that do no harm and are of a rate that the suspect is named for, or
+//! repair what it is named for, the first says the line: the first one that it changes. Other numbers that the evidence
+//! does not tell apart from it are named with their lines. Of a fault tree each number is solved for in the same way
+//! ([`refinement::Ground::of_named_numbers`]).
+//!
+//! # Guarantee
+//! A line is where one change makes the evidence agree, not a proof that it is wrong; the score stays that of the model.
+
+use super::{Diagnosing, Gathered};
+use crate::refine::proposal::{Asset, current, ground, of_model};
+use crate::refine::solver::Solver;
+use crate::technique::kinds::{Asked, TreeChange, tree_values};
+use diagnostic::Problem;
+use evidence::{Subject, Suspect, SuspectKind};
+use host::{Events, Host};
+use refinement::{Changed, ModelChange, NamedOffer, Trial, Values};
+use study::Work;
+
+impl Diagnosing<'_> {
+    /// Gives the models among the suspects the lines that a change mends.
+    pub(super) fn lines(
+        &self,
+        suspects: &mut [Suspect],
+        gathered: &mut Gathered,
+    ) -> Result<(), Problem> {
+        self.tree_lines(suspects)?;
+        let solver = Solver::new(self.study, &self.setting.cancel);
+        for entry in current(self.study) {
+            let Some(path) = entry.work.model() else {
+                continue;
+            };
+            if !suspects.iter().any(|it| is_whole_model(it, &entry.id)) {
+                continue;
+            }
+            let (source, _) = host::files::read_prism(&self.study.folder.join(path))?;
+            let asset = Asset {
+                entry,
+                path,
+                text: &source.text,
+            };
+            let changes = self.changes(&asset, &solver);
+            // An interrupted solution is no reason to say that there is no line.
+            self.setting.go_on()?;
+            let changes = match changes {
+                Ok(changes) => changes,
+                Err(problem) => {
+                    let reason = problem.warning_line();
+                    gathered
+                        .not_done
+                        .push(format!("lines of {}: {reason}", entry.id));
+                    continue;
+                }
+            };
+            for suspect in suspects
+                .iter_mut()
+                .filter(|it| is_whole_model(it, &entry.id))
+            {
+                if let Some((change, changed)) = best_for(&suspect.subjects, &changes) {
+                    point(suspect, &source.text, change, changed);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The same for fault trees: numbers of their text, solved for.
+    fn tree_lines(&self, suspects: &mut [Suspect]) -> Result<(), Problem> {
+        for entry in &self.study.ledger {
+            let Work::FaultTree { tree, .. } = &entry.work else {
+                continue;
+            };
+            if !suspects.iter().any(|it| is_whole_model(it, &entry.id)) {
+                continue;
+            }
+            let text = host::files::read_source(&self.study.folder.join(tree))?.text;
+            let host = Host {
+                events: Events::none(),
+                ..self.setting.clone()
+            };
+            let solver = Tree {
+                asked: Asked {
+                    study: self.study,
+                    entry,
+                    host: &host,
+                },
+            };
+            let ground = ground(self.study, self.result);
+            let offers = ground.of_named_numbers(&entry.id, &text, &solver);
+            self.setting.go_on()?;
+            for suspect in suspects
+                .iter_mut()
+                .filter(|it| is_whole_model(it, &entry.id))
+            {
+                let mut own = offers
+                    .iter()
+                    .filter(|it| suspect.subjects.contains(&it.subject));
+                let Some(first) = own.next() else {
+                    continue;
+                };
+                let line = |offer: &NamedOffer| {
+                    let (line, _) = prism_lang::line_and_column(&text, offer.number.span.start);
+                    u32::try_from(line).ok()
+                };
+                suspect.asset.line = line(first);
+                suspect.asset.part = Some(format!("`{}`", first.number.name));
+                suspect.explanation.push_str(&format!(
+                    " With {:.3} in place of {} its rate is that of {}.",
+                    first.value,
+                    first.number.value,
+                    first.counts.words()
+                ));
+                let file = suspect.asset.file.clone().unwrap_or_default();
+                let others = own.filter_map(|it| Some(format!("{file}:{}", line(it)?)));
+                suspect.asset.together.extend(others);
+            }
+        }
+        Ok(())
+    }
+
+    /// What could be changed in a model, with what it does to all the evidence.
+    fn changes(
+        &self,
+        asset: &Asset<'_>,
+        solver: &Solver<'_>,
+    ) -> Result<Vec<(ModelChange, Changed, Trial)>, Problem> {
+        let before = solver.values(asset.path, asset.text)?;
+        let ground = ground(self.study, self.result);
+        let offers = of_model(self.study, self.result, asset, solver)?;
+        let tried = |(change, changed): (ModelChange, Changed)| {
+            let trial = ground.tried(&asset.entry.id, &before, changed.at_last());
+            (change, changed, trial)
+        };
+        Ok(offers.changes.into_iter().map(tried).collect())
+    }
+}
+
+/// Whether an open suspect is the model of a piece, without a line.
+fn is_whole_model(suspect: &Suspect, evidence: &str) -> bool {
+    let asset = &suspect.asset;
+    suspect.is_open()
+        && asset.kind == SuspectKind::FormalModel
+        && asset.line.is_none()
+        && asset.evidence.iter().any(|id| id == evidence)
+}
+
+/// Answers for other texts of a fault tree.
+struct Tree<'a> {
+    asked: Asked<'a>,
+}
+
+impl refinement::Solver for Tree<'_> {
+    fn values(&self, text: &str) -> Result<Values, String> {
+        tree_values(self.asked, &TreeChange::Text(text)).map_err(|problem| problem.warning_line())
+    }
+}
+
+/// The first harmless change of these subjects, their own before those that repair them.
+fn best_for<'c>(
+    subjects: &[Subject],
+    changes: &'c [(ModelChange, Changed, Trial)],
+) -> Option<(&'c ModelChange, &'c Changed)> {
+    let harmless = || changes.iter().filter(|(.., trial)| !trial.is_harmful());
+    let own = |subject: &Subject| harmless().find(|(change, ..)| change.subject() == *subject);
+    let repairs = |subject: &Subject| {
+        harmless().find(|(.., trial)| trial.repairs.iter().any(|it| &it.subject == subject))
+    };
+    let first = subjects.iter().find_map(own);
+    let (change, changed, _) = first.or_else(|| subjects.iter().find_map(repairs))?;
+    Some((change, changed))
+}
+
+/// Says the line that a change mends, and those that are not told apart from it.
+fn point(suspect: &mut Suspect, text: &str, change: &ModelChange, changed: &Changed) {
+    suspect.asset.line = changed_line(text, &changed.text);
+    if let ModelChange::Solve { number, .. } = change {
+        let file = suspect.asset.file.clone().unwrap_or_default();
+        suspect.asset.part = Some(format!("`{}`", number.name()));
+        let others = changed.alternatives.iter().map(|other| {
+            let name = other.name();
+            match other.line(text) {
+                Some(line) => format!("{file}:{line} (`{name}`)"),
+                None => format!("{file} (`{name}`)"),
+            }
+        });
+        suspect.asset.together.extend(others);
+    }
+}
+
+/// The first line that two texts differ in, from 1.
+fn changed_line(old: &str, new: &str) -> Option<u32> {
+    let mut pairs = old.lines().zip(new.lines());
+    let place = pairs.position(|(a, b)| a != b)?;
+    u32::try_from(place + 1).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_is_the_first_that_differs() {
+        assert_eq!(changed_line("a\nb\nc", "a\nx\nc"), Some(2));
+        assert_eq!(changed_line("a\nb\n", "a\nnew\nb\n"), Some(2));
+        assert_eq!(changed_line("a", "a"), None);
+    }
+}
