@@ -25,6 +25,7 @@
 //! the margin is allowed for.
 
 mod alone;
+mod blame;
 mod cells;
 mod columns;
 mod contrast;
@@ -40,6 +41,7 @@ mod sides;
 mod strength;
 mod suspect;
 mod tool;
+mod untriggered;
 mod voices;
 
 pub use cells::{CellPlace, VerdictCounts};

@@ -3,7 +3,7 @@
 //! # Definition
 //! For each requirement on which the model disagrees strongly ([`evidence::STRONG`]) with the counts that it may be set to
 //! ([`anchors`], the first of them), and which no change for a failure mode mends: every number of the model that can be
-//! moved ([`Number`]), but constants that the ledger says were set to counts, is solved for ([`crate::solve`]) so that the
+//! moved ([`Number`]), but constants that the ledger says were set to counts, or that are computed from these, is solved for ([`crate::solve`]) so that the
 //! model has the counted rate; not where the property judges some run otherwise than its sentence. Those that leave least disagreement with all evidence are offered, the smallest change first; where several
 //! leave as much (to within [`AS_GOOD`] decades) each says so.
 //!
@@ -18,6 +18,7 @@
 //! fewer are tried, so that states times solutions stay below [`MOST_WORK`].
 
 use crate::counts::{Counts, anchors};
+use crate::draws::names_of;
 use crate::model_change::{
     AS_GOOD, Changed, FARTHEST, ModelChange, Read, Refusal, Solver, Values, solved, value_of,
     with_interval,
@@ -181,8 +182,10 @@ impl Ground<'_> {
         own: &Evidence,
         (wanted, before): (&Wanted, &Values),
     ) -> Result<Vec<(ModelChange, Changed)>, Refusal> {
-        let mut names = numbers(&Read::new(model.text)?);
-        names.retain(|name| own.calibrated.iter().all(|it| it.parameter != name.name()));
+        let read = Read::new(model.text)?;
+        let is_counted = |name: &str| own.calibrated.iter().any(|it| it.parameter == name);
+        let mut names = numbers(&read);
+        names.retain(|number| !rests_on(number, &read, &is_counted));
         let affordable = MOST_WORK / SOLUTIONS / model.states.unwrap_or(1).max(1);
         if affordable == 0 {
             return Err("the model has too many states for its numbers to be tried".into());
@@ -235,6 +238,29 @@ impl Ground<'_> {
         };
         Ok(made.into_iter().map(offer).collect())
     }
+}
+
+/// Whether a constant, or what it is computed from, is one of these.
+fn rests_on(number: &Number, read: &Read<'_>, is_one: &dyn Fn(&str) -> bool) -> bool {
+    let Number::Constant(name) = number else {
+        return false;
+    };
+    let mut waiting = vec![name.as_str()];
+    let mut known: Vec<&str> = Vec::new();
+    while let Some(name) = waiting.pop() {
+        if is_one(name) {
+            return true;
+        }
+        if known.contains(&name) {
+            continue;
+        }
+        known.push(name);
+        let declared = read.tree.constants.iter().find(|it| it.name.text == name);
+        if let Some(value) = declared.and_then(|it| it.value.as_ref()) {
+            names_of(value, &mut waiting);
+        }
+    }
+    false
 }
 
 /// Values that differ by less are the same.

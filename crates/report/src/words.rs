@@ -143,7 +143,10 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
     }
     let level = number::level(rate.level);
     let model = match is_counted_by_subject(study) {
-        true => ", if subjects differ as a beta distribution has it",
+        true => {
+            ", if subjects differ as a beta distribution has it and, where a verdict says that it supposes so, are as alike in one column \
+             of a table as in the others"
+        }
         false => "",
     };
     Some(match rate.holds_for {

@@ -14,6 +14,7 @@ use super::proposal::{
 use super::simulator::of_simulator;
 use super::solver::Solver;
 use super::texts;
+use crate::technique::matrix::edits::scratch::Scratch;
 use diagnostic::Problem;
 use evidence::{StudyResult, Subject, Suspect, Symptom};
 use refinement::{FormChange, Model, Offer, Ranked, TextChange, Trial, unified};
@@ -228,7 +229,11 @@ fn of_form(study: &Study, suspect: &Suspect, change: FormChange, offered: &mut O
     let (requirement, form) = change.touches();
     let title = format!("requirement {requirement}: its {form} becomes that of its sentence");
     let text = &study.forms.source.text;
-    match change.make(text) {
+    let made = change.make(text).and_then(|changed| {
+        can_be_asked(study, &changed)?;
+        Ok(changed)
+    });
+    match made {
         Ok(changed) => {
             let diff = unified("requirements.toml", "requirements.toml", text, &changed);
             let note = "This decides what the requirement's text means: the sentence, not the form that is taken out.";
@@ -243,6 +248,25 @@ fn of_form(study: &Study, suspect: &Suspect, change: FormChange, offered: &mut O
         }
         Err(reason) => offered.refused.push(format!("{title}: {reason}.")),
     }
+}
+
+/// Whether each formal model still answers with other requirements.
+fn can_be_asked(study: &Study, requirements: &str) -> Result<(), String> {
+    let words = |problem: Problem| problem.warning_line();
+    let scratch = Scratch::new(study, &study.folder.join("results")).map_err(words)?;
+    let changed = scratch.with_changed("requirements.toml", &|text| {
+        requirements.clone_into(text);
+    });
+    let changed = changed.map_err(words)?;
+    let never = host::Cancel::default();
+    let solver = Solver::new(&changed, &never);
+    for entry in current(study) {
+        if let Some(model) = entry.work.model() {
+            let source = texts::read(study, model).map_err(words)?;
+            solver.values(model, &source.text).map_err(words)?;
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn of(suspect: &Suspect, change: Change) -> Proposal {

@@ -73,6 +73,14 @@ impl ByCluster {
         (!self.found.is_empty()).then_some(&self.found)
     }
 
+    /// The number of subjects with a trial, if all trials had one outcome: then nothing here tells how alike those of one
+    /// subject are, and what else was counted of the same subjects has to.
+    pub fn of_one_outcome(&self) -> Option<f64> {
+        let with_trials = self.found.iter().filter(|it| it.trials > 0).count();
+        let is_so = self.subjects.is_some() && with_trials > 0 && !self.tells_how_alike();
+        is_so.then_some(with_trials as f64)
+    }
+
     /// Whether these counts tell how alike trials of one are: of several subjects, and not all with one outcome.
     fn tells_how_alike(&self) -> bool {
         let has = |of: fn(&Sample) -> u64| self.found.iter().any(|it| of(it) > 0);

@@ -108,7 +108,8 @@ pub struct PlannedTrials {
     pub by: Option<FurtherSubjects>,
 }
 
-/// Further people or sessions, with as many trials each as those so far had on average.
+/// Further people or sessions, with as many trials each as those so far had on average. Whole people make whole multiples of
+/// these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct FurtherSubjects {
     /// How many.
@@ -133,6 +134,12 @@ impl FurtherSubjects {
             subjects: more.div_ceil(each),
             each,
         })
+    }
+
+    /// The trials of all of them.
+    #[must_use]
+    pub fn trials(self) -> u64 {
+        self.subjects.saturating_mul(self.each)
     }
 
     /// `18 further people or sessions with 10 trials each`.
@@ -291,12 +298,19 @@ fn plans(
         ));
     name_trials(comparison, (&pair, open), &plans, [first, second]);
     let (left, right) = (&comparison.left, &comparison.right);
-    let planned = |plan: &Plan| DecisionPlan {
-        trials: planned_trials(plan, &comparison.subject, [first, second]),
-        cost: plan.cost,
-        chance: plan.chance,
-        agreement: plan.agreement,
-        conflict: plan.conflict,
+    let cost_of = |it: &PlannedTrials| {
+        let each = piece(&it.evidence).map_or(1.0, |of| runs_per_trial(of, &comparison.subject));
+        it.trials as f64 * costs.of(&it.evidence) * each
+    };
+    let planned = |plan: &Plan| {
+        let trials = planned_trials(plan, &comparison.subject, [first, second]);
+        DecisionPlan {
+            cost: trials.iter().map(cost_of).sum(),
+            trials,
+            chance: plan.chance,
+            agreement: plan.agreement,
+            conflict: plan.conflict,
+        }
     };
     Some(Undecided {
         subject: comparison.subject.clone(),
@@ -312,13 +326,16 @@ fn planned_trials(plan: &Plan, subject: &Subject, sides: [&Evidence; 2]) -> Vec<
     let trials = [plan.trials.0, plan.trials.1];
     let wanted = sides.into_iter().zip(trials).filter(|(_, n)| *n > 0);
     wanted
-        .map(|(piece, trials)| PlannedTrials {
-            evidence: piece.id.clone(),
-            trials,
-            runs: (trials as f64 * runs_per_trial(piece, subject)).ceil() as u64,
-            by: piece
-                .finding(subject)
-                .and_then(|finding| FurtherSubjects::of(&finding.measure, trials)),
+        .map(|(piece, trials)| {
+            let finding = piece.finding(subject);
+            let by = finding.and_then(|it| FurtherSubjects::of(&it.measure, trials));
+            let trials = by.map_or(trials, FurtherSubjects::trials);
+            PlannedTrials {
+                evidence: piece.id.clone(),
+                trials,
+                runs: (trials as f64 * runs_per_trial(piece, subject)).ceil() as u64,
+                by,
+            }
         })
         .collect()
 }

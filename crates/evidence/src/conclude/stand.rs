@@ -76,8 +76,44 @@ pub(super) fn stand(
             (p_not_met, p_met),
             (limits, levels),
             contradicted,
-        ) + &all_kinds_met(belief, threshold, standing, levels)
+        ) + &alike_as_elsewhere(belief, threshold, standing, levels)
+            + &all_kinds_met(belief, threshold, standing, levels)
             + &better_without_one(belief, threshold, levels),
+    }
+}
+
+/// That a claim supposes that trials of one subject are as alike here as in what else was counted of these subjects, if it
+/// would not be made with each subject as one trial.
+fn alike_as_elsewhere(
+    belief: &Belief,
+    threshold: Threshold,
+    standing: Standing,
+    levels: ClaimLevels,
+) -> String {
+    let Belief::Counts {
+        sample,
+        effective,
+        clusters: Some(clusters),
+        ..
+    } = belief
+    else {
+        return String::new();
+    };
+    let each = clusters
+        .of_one_outcome()
+        .filter(|many| *many < effective.trials);
+    let Some(Ok(one_each)) = each.map(|many| EffectiveSample::at_size(*sample, many)) else {
+        return String::new();
+    };
+    let (p_below, p_at_least) = doubts_of_counts(one_each, true, threshold.value);
+    let (p_not_met, p_met) = match threshold.direction {
+        Direction::AtLeast => (p_below, p_at_least),
+        Direction::AtMost => (p_at_least, p_below),
+    };
+    match standing {
+        Standing::Supports if p_not_met > levels.met => words::alike_as_elsewhere(p_not_met),
+        Standing::Denies if p_met > levels.missed => words::alike_as_elsewhere(p_met),
+        _ => String::new(),
     }
 }
 

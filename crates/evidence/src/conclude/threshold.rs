@@ -215,15 +215,18 @@ fn plans(
             level,
             study.levels.power,
         );
+        let by = found.and_then(|(trials, _)| FurtherSubjects::of(&piece.finding.measure, trials));
+        // What whole people do.
+        let trials = found.map(|(trials, _)| by.map_or(trials, FurtherSubjects::trials));
         Some(Deciding {
             requirement: requirement.id.clone(),
             evidence: id.clone(),
-            trials: found.map(|(trials, _)| trials),
-            cost: found.map(|(trials, _)| trials as f64 * costs.of(id)),
+            trials,
+            cost: trials.map(|trials| trials as f64 * costs.of(id)),
             chance: found.map(|(_, (below, above))| (below + above).min(1.0)),
             satisfied: found.map(|(_, (below, above))| if at_least { above } else { below }),
             violated: found.map(|(_, (below, above))| if at_least { below } else { above }),
-            by: found.and_then(|(trials, _)| FurtherSubjects::of(&piece.finding.measure, trials)),
+            by,
         })
     };
     let open = free.into_iter().map(|index| &pieces[index]);

@@ -12,8 +12,10 @@
 //! p-value of "p >= t" = max(p-value of the anchor's equivalence, p-value of "q >= t - m")
 //! ```
 //!
-//! Where several trials of the system are compared on the anchor, the smallest of their p-values is multiplied by their
-//! number. Nothing carries over where any of them conflicts with the model. A model that was calibrated on the trials
+//! with `m` the larger of the requirement's margin and the anchor's: agreement within 40 points carries no more than 40
+//! points over. Where several trials of the system are compared on the anchor, the smallest of their p-values is multiplied by
+//! their number, and all that is declared to carry over to a requirement shares the level. Nothing carries over where any of
+//! the trials conflicts with the model on any anchor that is declared for it here. A model that was calibrated on the trials
 //! only fits them: it is no anchor; nor are trials of one person or session alone, which tell of this one.
 //!
 //! For the requirement that is its own anchor this is never stronger than the trials' own counts, since equivalence with
@@ -44,8 +46,25 @@ pub(super) struct Transfer<'a> {
     pub declared: &'a CarryOver,
     /// The model's number on the requirement.
     pub piece: Piece<'a>,
-    /// p-value of the anchor's equivalence, and the trials with which it is shown.
-    pub anchor: Result<(f64, String), String>,
+    /// Agreement on the anchor, or why none is shown.
+    pub anchor: Result<Anchor, String>,
+}
+
+/// Agreement of a model with trials of the system.
+#[derive(Clone)]
+pub(super) struct Anchor {
+    /// p-value of equivalence.
+    pub p: f64,
+    /// The margin within which it is shown.
+    margin: f64,
+    /// The trials with which it is shown, on what and within which margin.
+    with: String,
+}
+
+/// Why a model does not agree with trials of the system.
+struct NoAnchor {
+    reason: String,
+    is_conflict: bool,
 }
 
 /// The declared transfers of a requirement whose model is current.
@@ -59,13 +78,35 @@ pub(super) fn transfers<'a>(
     let current = declared.filter_map(|declared| {
         let mut pieces = pieces.iter();
         let piece = pieces.find(|piece| piece.evidence.id == declared.evidence)?;
-        (!is_trial(piece.evidence)).then(|| Transfer {
-            declared,
-            piece: piece.clone(),
-            anchor: anchor(study, declared, comparisons),
-        })
+        let of = || {
+            (
+                declared,
+                piece.clone(),
+                anchor(study, declared, comparisons),
+            )
+        };
+        (!is_trial(piece.evidence)).then(of)
     });
-    current.collect()
+    let current: Vec<_> = current.collect();
+    let conflicts: Vec<(String, String)> = current
+        .iter()
+        .filter_map(|(declared, _, anchor)| {
+            let none = anchor.as_ref().err().filter(|none| none.is_conflict)?;
+            Some((declared.evidence.clone(), none.reason.clone()))
+        })
+        .collect();
+    let transfer =
+        |(declared, piece, anchor): (&'a CarryOver, Piece<'a>, Result<Anchor, NoAnchor>)| {
+            Transfer {
+                declared,
+                anchor: match conflicts.iter().find(|(id, _)| id == &declared.evidence) {
+                    Some((_, reason)) => Err(reason.clone()),
+                    None => anchor.map_err(|none| none.reason),
+                },
+                piece,
+            }
+        };
+    current.into_iter().map(transfer).collect()
 }
 
 /// The p-value of equivalence with trials of the system on the anchor, or why there is none.
@@ -73,7 +114,11 @@ fn anchor(
     study: &Study<'_>,
     declared: &CarryOver,
     comparisons: &[Comparison],
-) -> Result<(f64, String), String> {
+) -> Result<Anchor, NoAnchor> {
+    let none = |reason: String| NoAnchor {
+        reason,
+        is_conflict: false,
+    };
     let subject = match &declared.on {
         Subject::Requirement(id) => {
             let mut requirements = study.requirements.iter();
@@ -96,7 +141,10 @@ fn anchor(
         .iter()
         .find(|(it, _)| it.outcome == Outcome::Conflicts)
     {
-        return Err(format!("{model} and {other} conflict on {on}"));
+        return Err(NoAnchor {
+            reason: format!("{model} and {other} conflict on {on}"),
+            is_conflict: true,
+        });
     }
     let independent: Vec<&(&Comparison, &str)> = with_trials
         .iter()
@@ -110,13 +158,17 @@ fn anchor(
         .map(|(it, other)| ((p_of_equivalence(it) * count).min(1.0), *other, it.margin))
         .min_by(|a, b| a.0.total_cmp(&b.0));
     match best {
-        Some((p, other, margin)) => Ok((p, format!("{other} on {on} within {}", points(margin)))),
-        None if independent.is_empty() => Err(format!(
+        Some((p, other, margin)) => Ok(Anchor {
+            p,
+            margin,
+            with: format!("{other} on {on} within {}", points(margin)),
+        }),
+        None if independent.is_empty() => Err(none(format!(
             "no independent trials of the system are compared with {model} on {on}"
-        )),
-        None => Err(format!(
+        ))),
+        None => Err(none(format!(
             "agreement of {model} with the system on {on} is not shown"
-        )),
+        ))),
     }
 }
 
@@ -150,9 +202,10 @@ fn p_of_equivalence(comparison: &Comparison) -> f64 {
 impl Transfer<'_> {
     /// p-values of "not met" and "met"; 1 where nothing carries over.
     pub fn doubts(&self, threshold: Threshold, margin: f64) -> (f64, f64) {
-        let Ok((anchor, _)) = &self.anchor else {
+        let Ok(anchor) = &self.anchor else {
             return (1.0, 1.0);
         };
+        let margin = margin.max(anchor.margin);
         let shifted = |by: f64| {
             let value = threshold.value + by;
             (0.0..=1.0)
@@ -165,15 +218,19 @@ impl Transfer<'_> {
         };
         let not_met = shifted(up).map_or(1.0, |it| stand::doubts(&self.piece.belief, it).0);
         let met = shifted(down).map_or(1.0, |it| stand::doubts(&self.piece.belief, it).1);
-        (not_met.max(*anchor), met.max(*anchor))
+        (not_met.max(anchor.p), met.max(anchor.p))
     }
 
     /// How it stands to the threshold.
     pub fn stand(&self, asked: &Asked<'_>, levels: ClaimLevels) -> PieceStanding {
         let (threshold, margin) = (asked.threshold, asked.requirement.margin);
+        let margin = self
+            .anchor
+            .as_ref()
+            .map_or(margin, |it| margin.max(it.margin));
         let (p_not_met, p_met) = self.doubts(threshold, margin);
         let own = limits::limits(&self.piece.belief, threshold, levels);
-        let holds = |level: f64| self.anchor.as_ref().is_ok_and(|(p, _)| *p <= level);
+        let holds = |level: f64| self.anchor.as_ref().is_ok_and(|it| it.p <= level);
         let (for_low, for_high) = match threshold.direction {
             Direction::AtLeast => (levels.met, levels.missed),
             Direction::AtMost => (levels.missed, levels.met),
@@ -213,9 +270,9 @@ impl Transfer<'_> {
         threshold: Threshold,
     ) -> String {
         let id = &self.piece.evidence.id;
-        let (_, with) = match &self.anchor {
+        let with = match &self.anchor {
             Err(reason) => return format!("{id} does not carry over: {reason}"),
-            Ok(anchor) => anchor,
+            Ok(anchor) => &anchor.with,
         };
         let declared = self.declared;
         let who = match declared.shown_by == declared.evidence {

@@ -141,6 +141,15 @@ fn span(ends: stats::Interval) -> String {
     }
 }
 
+/// That a claim rests on how alike trials of one subject are in other columns.
+pub(super) fn alike_as_elsewhere(p: f64) -> String {
+    format!(
+        "; it supposes that trials of one subject are as alike here as in the other columns of the table (p {} with each \
+         subject as one trial)",
+        p_value(p)
+    )
+}
+
 /// That a claim rests on so few subjects being of every kind that there is.
 pub(super) fn all_kinds_met(subjects: Option<u64>, p: f64) -> String {
     let Some(subjects) = subjects else {

@@ -4,7 +4,7 @@
 //! A model *excludes* a failure mode that it has nothing for, or of which it computes exactly 0 ([`Rate::Never`]). Where one
 //! voice alone shows it ([`mod@super::voices`]), that may be what is wrong: the disagreement of strength `T` with "never"
 //! speaks against the model with `q T` and, if it is one piece, against that piece with `(1 - q) T`, `q` the probability
-//! that the model is the odd one out (`rates`). Where several show it, they are not all wrong; `T` is then of the counts of
+//! that the model is the odd one out ([`super::blame`]). Where several show it, they are not all wrong; `T` is then of the counts of
 //! all of them that do not differ from the strongest.
 
 use super::matter::{Clue, Matter, name_of, rate_in_words};
@@ -74,9 +74,10 @@ impl Matter<'_> {
 
     /// The probability that a model is the odd one out, and not what alone shows a failure mode that it excludes.
     fn is_odd(&self, model: &Evidence, shows: &[&Evidence], subject: &Subject) -> f64 {
-        let odds =
-            self.apart(shows, model, subject, None) - self.apart(&[model], model, subject, None);
-        1.0 / (1.0 + odds.exp())
+        match shows.first() {
+            Some(shows) => self.blame([model, shows], subject, None)[0],
+            None => 1.0,
+        }
     }
 
     /// The clue against the only piece that shows a failure mode.

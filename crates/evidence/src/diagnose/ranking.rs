@@ -36,6 +36,7 @@ const WITNESSES: usize = 5;
 pub fn rank(matter: &Matter<'_>, more: Vec<Clue>) -> Vec<Suspect> {
     let mut clues = matter.of_conflicts();
     clues.extend(matter.of_missing_modes());
+    clues.extend(matter.of_missing_triggers());
     clues.extend(matter.of_other_methods());
     clues.extend(matter.of_forms());
     clues.extend(matter.of_hidden_conflicts());

@@ -16,12 +16,7 @@
 //!   `m` is the least that is left; the requirement models' share is `T_s - m` if that is strong
 //!   evidence (at least 1), else 0;
 //! * *system model*: the rest, of the strongest of its conflicts what it differs by from all others together, where these
-//!   have voices of their own and agree. It is shared out between `X` and `Y` by how much better the data of all
-//!   pieces under the same conditions are explained with that piece alone apart:
-//!   `P(X alone) P(others together)` against `P(Y alone) P(others together)`. Pieces that share an assumption with
-//!   `X` ([`mod@super::voices`]), but not with `Y`, may be wrong together with it: the likelier of "`X` alone" and "`X`
-//!   and these" counts, so that two models with one error do not make the experiment the odd one out. Tables and
-//!   recordings of the real system are a tenth as likely to be wrong as models of it.
+//!   have voices of their own and agree. It is shared out between `X` and `Y` as [`super::blame`] does.
 //!
 //! # Source and guarantee
 //! Changing one thing at a time and taking the difference is the method of difference (J. S. Mill, 1843);
@@ -30,7 +25,7 @@
 use super::exchanged::is_table;
 use super::forms::SENTENCE;
 use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form};
-use super::strength::{CERTAIN, Rate, STRONG, ln_together, strength};
+use super::strength::{CERTAIN, Rate, STRONG, strength};
 use super::suspect::{Figure, ODD_ONE_OUT, SuspectAsset, SuspectKind, Symptom};
 use crate::{AskedBy, Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject};
 
@@ -39,9 +34,6 @@ const MODELS: f64 = 2.0;
 
 /// The least probability of being the odd one out at which a piece is named.
 pub(super) const NAMED: f64 = 0.01;
-
-/// How much likelier a model is wrong than the real system's data, as a natural logarithm.
-const DATA: f64 = std::f64::consts::LN_10;
 
 /// What is left of a conflict when a requirement's forms are changed.
 struct LikeForLike {
@@ -384,14 +376,9 @@ impl<'a> Matter<'a> {
     ) -> Vec<Clue> {
         let is_formal = |piece: &Evidence| piece.technique.traits().asked_by == AskedBy::Property;
         let form = (is_formal(one) || is_formal(other)).then_some("property");
-        let weights = [(one, other), (other, one)]
-            .map(|(piece, against)| self.apart_with_its_voice(piece, against, subject, form));
-        let greatest = weights[0].max(weights[1]);
-        let shares = weights.map(|w| (w - greatest).exp());
-        let total = shares[0] + shares[1];
+        let shares = self.blame([one, other], subject, form);
         let both = [(one, other, shares[0]), (other, one, shares[1])];
-        let shared = both.into_iter().map(|(a, b, share)| (a, b, share / total));
-        let named = shared.filter(|(.., share)| *share >= NAMED);
+        let named = both.into_iter().filter(|(.., share)| *share >= NAMED);
         let clue = |(piece, against, share)| self.of_system(piece, against, subject, (left, share));
         named.map(clue).collect()
     }
@@ -432,64 +419,6 @@ impl<'a> Matter<'a> {
             ruled_out: self.alike(piece, subject),
             resolved_by: self.mended(piece, against, subject),
         }
-    }
-
-    /// The likelier of: a piece is wrong alone, or together with those that share an assumption with it.
-    fn apart_with_its_voice(
-        &self,
-        piece: &Evidence,
-        against: &Evidence,
-        subject: &Subject,
-        form: Option<&str>,
-    ) -> f64 {
-        let alone = self.apart(&[piece], piece, subject, form);
-        let pieces: Vec<&Evidence> = self
-            .speaking()
-            .filter(|e| e.conditions == piece.conditions && e.id != against.id)
-            .collect();
-        let voices = super::voices::voices(&pieces, subject);
-        let mut own = voices.into_iter();
-        let own = own.find(|voice| voice.iter().any(|member| member.id == piece.id));
-        let shares = |member: &&Evidence| super::voices::share_assumption(member, against, subject);
-        match own.filter(|voice| voice.len() > 1 && !voice.iter().any(shares)) {
-            Some(voice) => alone.max(self.apart(&voice, piece, subject, form)),
-            None => alone,
-        }
-    }
-
-    /// `ln P(pieces apart) P(all others together)`, of the pieces under the same conditions as `like`; judged by
-    /// `form` where they are.
-    pub(super) fn apart(
-        &self,
-        apart: &[&Evidence],
-        like: &Evidence,
-        subject: &Subject,
-        form: Option<&str>,
-    ) -> f64 {
-        let rate = |e: &Evidence| {
-            let mut judged = self.judged(e, subject).into_iter();
-            let by_form = judged.find(|judged| form == Some(judged.form.as_str()));
-            by_form
-                .map(|judged| judged.rate)
-                .or_else(|| rate_or_never(e, subject))
-        };
-        let pieces = self.speaking().filter(|e| e.conditions == like.conditions);
-        let others: Vec<Rate> = pieces
-            .filter(|e| apart.iter().all(|it| it.id != e.id))
-            .filter_map(rate)
-            .collect();
-        let margin = self.margin(subject);
-        let own: Vec<Rate> = apart.iter().filter_map(|piece| rate(piece)).collect();
-        let own = match own.is_empty() {
-            true => 0.0,
-            false => ln_together(&own, margin),
-        };
-        let is_data = |piece: &&Evidence| piece.technique.is_of_system();
-        let prior = match apart.iter().any(is_data) {
-            true => -DATA,
-            false => 0.0,
-        };
-        prior + own + ln_together(&others, margin)
     }
 
     /// What speaks for the requirement models of a piece.

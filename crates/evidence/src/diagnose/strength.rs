@@ -15,7 +15,8 @@
 //!   another kind of failure by mistake.
 //!
 //! Any other difference within the margin is weighed again with a tenth of the margin and counts at most 1, so
-//! that it is named, but behind all that matters. Effective sizes take the place of sizes where trials
+//! that it is named, but behind all that matters; one that is larger than the margin, but may be within it by chance, at
+//! most [`AROUND_MARGIN`]: a comparison calls it a conflict. Effective sizes take the place of sizes where trials
 //! are clustered.
 //!
 //! Of runs without a verdict each may have counted or not ([`mod@crate::completions`]): two rates are weighed where these
@@ -43,6 +44,9 @@ pub const CERTAIN: f64 = 100.0;
 
 /// The most that a difference within the margin counts.
 const WITHIN_MARGIN: f64 = 1.0;
+
+/// The most that a difference counts which is larger than the margin, but may be within it by chance.
+const AROUND_MARGIN: f64 = 1.5;
 
 /// The part of the margin with which a difference within it is weighed again.
 const SMALL: f64 = 0.1;
@@ -214,6 +218,12 @@ impl Rate {
     }
 }
 
+/// How far two rates are apart where they are nearest to each other.
+fn gap(one: Rate, other: Rate) -> f64 {
+    let ([low, high], [other_low, other_high]) = (one.shares(), other.shares());
+    (low - other_high).max(other_low - high).max(0.0)
+}
+
 /// The share at which two rates are nearest to each other.
 fn meeting(one: Rate, other: Rate) -> f64 {
     let ([low, high], [other_low, other_high]) = (one.shares(), other.shares());
@@ -224,10 +234,14 @@ fn meeting(one: Rate, other: Rate) -> f64 {
 /// How strongly two rates differ, from 0 (not at all) to [`CERTAIN`].
 pub fn strength(one: Rate, other: Rate, margin: f64) -> f64 {
     let whole = against_one_rate(one, other, margin);
-    let strength = if whole >= WITHIN_MARGIN {
+    let most = match gap(one, other) > margin {
+        true => AROUND_MARGIN,
+        false => WITHIN_MARGIN,
+    };
+    let strength = if whole >= most {
         whole
     } else {
-        against_one_rate(one, other, margin * SMALL).clamp(whole, WITHIN_MARGIN)
+        against_one_rate(one, other, margin * SMALL).clamp(whole, most)
     };
     strength.clamp(0.0, CERTAIN)
 }

@@ -35,7 +35,7 @@
 //! strong disagreement.
 
 mod explained;
-mod scratch;
+pub(crate) mod scratch;
 
 use super::candidates::{Reach, TextEdit, candidates, limits};
 use super::{Diagnosing, Gathered};

@@ -12,7 +12,7 @@
 
 mod candidates;
 mod cells;
-mod edits;
+pub(crate) mod edits;
 mod events;
 mod formal;
 mod lines;

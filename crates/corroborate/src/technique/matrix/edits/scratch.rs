@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use study::Study;
 
 /// The texts of a study in a folder of their own, where they can be edited and read.
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     pub(super) folder: PathBuf,
     study: PathBuf,
 }
@@ -21,7 +21,7 @@ const TEXTS: [&str; 5] = [
 ];
 
 impl Scratch {
-    pub(super) fn new(study: &Study, results: &Path) -> Result<Self, Problem> {
+    pub(crate) fn new(study: &Study, results: &Path) -> Result<Self, Problem> {
         let folder = results.join("edits");
         std::fs::create_dir_all(&folder).map_err(|error| Problem::cannot_write(&folder, &error))?;
         Ok(Self {
@@ -32,14 +32,25 @@ impl Scratch {
 
     /// The study with an edit; its other files stay where they are, and it has no ledger.
     pub(super) fn with(&self, edit: &TextEdit) -> Result<Study, Problem> {
+        self.with_changed(edit.file, &|text| {
+            text.replace_range(edit.span.clone(), &edit.new);
+        })
+    }
+
+    /// The study with one of its texts changed.
+    pub(crate) fn with_changed(
+        &self,
+        file: &str,
+        change: &dyn Fn(&mut String),
+    ) -> Result<Study, Problem> {
         for name in TEXTS {
             let path = self.study.join(name);
             if !path.exists() {
                 continue;
             }
             let mut text = host::files::read_source(&path)?.text;
-            if name == edit.file {
-                text.replace_range(edit.span.clone(), &edit.new);
+            if name == file {
+                change(&mut text);
             }
             if name == "study.toml" {
                 text = without_entries(&text);
