@@ -3,8 +3,8 @@
 //! # Definition
 //! For each failure mode: if the model cannot express it, or no command leads to it, and it was counted, a branch
 //! ([`ModelChange::Branch`]). Else,
-//! if the exact binomial p-value of its rate, given the counts that it may be set to ([`anchors`], the first of them), is
-//! below the study's level divided by the number of failure modes: the constant set to the counted share or, where
+//! if its rate is farther than the declared margin from the counts that it may be set to ([`anchors`], the first of them), or
+//! their exact binomial p-value is below the study's level divided by the number of failure modes: the constant set to the counted share or, where
 //! that does not give the rate, solved for; or, if it has the share already, the draw made once, else solved for. Then the
 //! same for requirements that this leaves in disagreement ([`crate::requirement_rates`]).
 
@@ -134,15 +134,19 @@ impl Ground<'_> {
             }));
         };
         let counts = counted.into_iter().next()?;
-        let is_wanted = self.differs(rate, &counts);
+        let is_wanted = self.differs(&mode, rate, &counts);
         is_wanted.then(|| rate_or_once(model.text, mode, occurs, counts))
     }
 
-    /// Whether a rate is not what was counted, beyond chance: each failure mode may be the one that differs by it.
-    fn differs(&self, rate: f64, counts: &Counts) -> bool {
+    /// Whether a rate is not what was counted: farther than the margin, or beyond chance, by which each failure mode may be the
+    /// one that differs.
+    fn differs(&self, mode: &str, rate: f64, counts: &Counts) -> bool {
+        let margin = self.failure_modes.iter().find(|m| m.id == mode);
+        let margin = margin.map_or(0.0, |m| m.margin);
+        let distance = (rate - counts.rate()).abs();
         let level = (1.0 - self.confidence) / self.failure_modes.len().max(1) as f64;
         let is_unlikely = counts.p_value(rate).is_some_and(|p| p < level);
-        (rate - counts.rate()).abs() > SAME && is_unlikely
+        distance > SAME && (distance > margin || is_unlikely)
     }
 }
 

@@ -67,6 +67,12 @@ impl Proposal {
         matches!(self.change, Change::Exchange { .. })
     }
 
+    /// Whether nothing is suspected for it, and it mends no strong disagreement.
+    pub(super) fn is_idle(&self) -> bool {
+        let repairs = !(self.tried.repairs.is_empty() && self.tried.sides.is_empty());
+        self.suspect.is_none() && !repairs
+    }
+
     /// Whether it moves the value of one of these, or fits a simulation.
     fn touches(&self, subjects: &[Subject]) -> bool {
         let mut moved = self.effects.iter().filter(|it| it.before != it.after);
