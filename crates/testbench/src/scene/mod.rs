@@ -99,6 +99,7 @@ mod materials;
 mod measure;
 mod person;
 mod piloting;
+mod profile;
 mod recorder;
 mod run;
 mod saving;
