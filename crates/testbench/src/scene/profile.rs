@@ -39,6 +39,7 @@ struct Piece {
 pub(super) struct Profile {
     pieces: Vec<Piece>,
     end: f64,
+    is_braked: bool,
 }
 
 impl Piece {
@@ -125,7 +126,13 @@ impl Profile {
             }
         }
         profile.end = profile.last(start).place;
+        profile.is_braked = true;
         profile
+    }
+
+    /// Whether it stops on the way.
+    pub(super) fn is_braked(&self) -> bool {
+        self.is_braked
     }
 
     /// Pieces one after another, from rest at 0: how long, the acceleration where it jumps, the jerk.

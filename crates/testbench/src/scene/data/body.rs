@@ -7,6 +7,7 @@ use serde::Deserialize;
 use stimulus::Distribution;
 
 use super::actuator::{ActuatorFault, hundred};
+use super::{Gripper, Group, ToolPoint};
 use super::{key_of, number_within, within, zero};
 use crate::bench::ScenarioError;
 use crate::controller::PortField;
@@ -300,9 +301,43 @@ pub enum ActuatorKind {
         /// The largest torque: of a wheel, or about the base's vertical axis.
         torque_limit_nm: f64,
     },
+    /// A group of the scene, not given as an actuator.
+    #[serde(skip)]
+    JointGroup(Box<JointGroup>),
+    /// A gripper of the scene, not given as an actuator.
+    #[serde(skip)]
+    Gripper(Box<Gripper>),
+}
+
+/// A group with what follows from its robot's description.
+#[derive(Debug, Clone)]
+pub struct JointGroup {
+    /// As the scene gives it.
+    pub group: Group,
+    /// Its tool point.
+    pub tool: Option<ToolPoint>,
+    /// Which of its joints are slides.
+    pub is_slide: Vec<bool>,
+    /// The largest torque or force of each joint.
+    pub torque_limit: Vec<f64>,
+    /// The highest speed of each.
+    pub velocity_limit: Vec<f64>,
 }
 
 impl Actuator {
+    /// A group or a gripper, which controllers command as any actuator.
+    pub(super) fn of(name: &str, robot: &str, kind: ActuatorKind) -> Self {
+        Self {
+            name: name.to_owned(),
+            robot: robot.to_owned(),
+            noise: BTreeMap::new(),
+            noise_hz: hundred(),
+            bias: BTreeMap::new(),
+            faults: Vec::new(),
+            kind,
+        }
+    }
+
     /// The fields of its commands.
     #[must_use]
     pub fn fields(&self) -> Vec<PortField> {
@@ -354,6 +389,8 @@ impl ActuatorKind {
                 .chain(right_joints)
                 .map(String::as_str)
                 .collect(),
+            Self::JointGroup(group) => group.group.joints.iter().map(String::as_str).collect(),
+            Self::Gripper(gripper) => gripper.joints().iter().map(String::as_str).collect(),
             Self::PlanarVelocity { .. } => Vec::new(),
         }
     }
@@ -366,6 +403,7 @@ impl ActuatorKind {
             } => vec![("stiffness", *stiffness), ("limit", *limit)],
             Self::Velocity { gain, limit, .. } => vec![("gain", *gain), ("limit", *limit)],
             Self::Effort { limit, .. } => vec![("limit", *limit)],
+            Self::JointGroup(_) | Self::Gripper(_) => Vec::new(),
             Self::DifferentialDrive {
                 wheel_radius_m,
                 wheel_separation_m,
