@@ -428,6 +428,11 @@ impl Grouping {
         self.moving.is_some()
     }
 
+    /// Distance and angle by which the last goal was out of reach.
+    pub(super) fn left(&self) -> [f64; 2] {
+        self.left
+    }
+
     /// The row of its topic.
     pub(super) fn row(&self, physics: &dyn Physics) -> Vec<f64> {
         let mut row = Vec::new();

@@ -197,6 +197,9 @@ pub(super) fn is_summed_up(sensor: &Sensor, length: usize) -> bool {
     is_image && length > 1 && !sensor.record_all
 }
 
+/// Fields of sensors that are truth values.
+const BOOLS: [&str; 5] = ["seen", "touching", "moving", "holding", "attached"];
+
 fn sensor_fields(sensor: &Sensor) -> Vec<Field> {
     let mut fields = vec![Field::number("measured_at", "s"), Field::bool("faulty")];
     for field in sensor.fields() {
@@ -205,7 +208,7 @@ fn sensor_fields(sensor: &Sensor) -> Vec<Field> {
             fields.push(Field::number(format!("{name}.nearest"), unit));
             fields.push(Field::number(format!("{name}.nearest_index"), "1"));
             fields.push(Field::number(format!("{name}.count"), "1"));
-        } else if field.length == 1 && ["seen", "touching"].contains(&name.as_str()) {
+        } else if field.length == 1 && BOOLS.contains(&name.as_str()) {
             fields.push(Field::bool(name));
         } else if field.length == 1 {
             fields.push(Field::number(name, unit));

@@ -279,6 +279,8 @@ impl Run {
             physics: self.physics.as_ref(),
             built: &self.built,
             people: &self.people,
+            data: &self.prepared.data,
+            actuators: &self.actuators,
             touches: &self.touches,
         };
         for (index, sensor) in self.sensors.iter_mut().enumerate() {

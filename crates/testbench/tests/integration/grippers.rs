@@ -48,6 +48,12 @@ const CELL: &str = r#"
     fixed = true
     friction = 0.9
     joints = { left_finger = 0.045, right_finger = 0.045 }
+    [[sensor]]
+    name = "feels"
+    robot = "arm"
+    kind = "grip"
+    gripper = "hand"
+    rate_hz = 50
     [[group]]
     name = "slide"
     robot = "arm"
@@ -134,6 +140,8 @@ fn fingers_press_with_the_commanded_force_whether_both_are_driven_or_one_follows
                 "arm",
                 "{engine}"
             );
+            let holds = [0.1, 2.9].map(|secs| at(trace, "/sensor/feels.holding", secs));
+            assert_eq!(holds, [0.0, 1.0], "{engine}");
             assert_eq!(at(trace, "/gripper/hand.attached", 2.9), 0.0, "{engine}");
             assert!(
                 (at(trace, "/truth/part.z", 2.9) - 0.2).abs() < 0.01,

@@ -29,6 +29,12 @@ const CELL: &str = r#"
     fixed = true
     z_m = 1.0
     joints = { shoulder = 0.3, elbow = -0.9 }
+    [[sensor]]
+    name = "way"
+    robot = "arm"
+    kind = "goal"
+    group = "joints"
+    rate_hz = 100
     [[tool_point]]
     name = "tip"
     robot = "arm"
@@ -197,6 +203,8 @@ fn trajectories_keep_to_their_limits_begin_and_end_together_and_tell_when_they_a
                     "{engine} {joint}: {position}"
                 );
             }
+            let moves = [0.05, 0.5, 4.5].map(|secs| at(trace, "/sensor/way.moving", secs));
+            assert_eq!(moves, [0.0, 1.0, 0.0], "{engine}");
             assert_eq!(at(trace, "/test.done", 4.5), 1.0, "{engine}");
             assert_eq!(at(trace, "/test.actions_done", 1.0), 1.0, "{engine}");
             together(engine, trace);
@@ -384,6 +392,11 @@ fn a_goal_out_of_reach_is_told_with_what_is_left_and_nothing_moves() {
     scene.in_each(&[], |engine, trace| {
         let left = at(trace, "/group/joints.distance_left", 0.5);
         assert!((left - 0.2).abs() < 2e-3, "{engine}: {left} m");
+        assert_eq!(
+            at(trace, "/sensor/way.distance_left", 0.5),
+            left,
+            "{engine}"
+        );
         assert_eq!(most(trace, "/group/joints.moving"), 0.0, "{engine}");
     });
 }
@@ -416,8 +429,14 @@ fn bad_groups_are_told_all_at_once_with_their_keys() {
         joints = ["shoulder", "shoulder"]
         mode = "torque"
         stiffness = 3.0
+        [[sensor]]
+        name = "lost"
+        robot = "arm"
+        kind = "grip"
+        gripper = "hand"
+        rate_hz = 100
         [[trajectory]]
-        name = "way"
+        name = "path"
         group = "jonts"
         waypoint = []
         [[trajectory]]
@@ -437,7 +456,8 @@ fn bad_groups_are_told_all_at_once_with_their_keys() {
         "`group.second.joints.1` names `shoulder` twice",
         "`group.second.joints.0` names `shoulder`, which the group `joints` drives, too (position, here torque)",
         "`group.second.stiffness` has no meaning in the mode `torque`",
-        "`trajectory.way.group` names `jonts`",
+        "`trajectory.path.group` names `jonts`",
+        "`sensor.lost.gripper` names `hand`",
         "`trajectory.other.velocity_scaling` is 2",
         "`trajectory.other.waypoint.0` has 1 positions and the group `joints` has 3 joints",
         "`trajectory.other.waypoint.1` needs either `joints`",

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::{Actuator, ActuatorKind, GripperKind, JointGroup, SceneData, key_of, known};
+use super::{
+    Actuator, ActuatorKind, GripperKind, JointGroup, SceneData, SensorKind, key_of, known,
+};
 use crate::bench::ScenarioError;
 
 /// Who drives a joint: its list, its name and its place there.
@@ -38,7 +40,27 @@ impl SceneData {
             wrong.extend(self.wrong_tools(&gripper.name, &gripper.kind));
         }
         wrong.extend(self.driven_twice());
+        wrong.extend(self.read_wrongly());
         wrong
+    }
+
+    /// Sensors of groups and grippers name those of their robot.
+    fn read_wrongly(&self) -> Vec<ScenarioError> {
+        let read = self.sensors.iter().filter_map(|sensor| {
+            let key = |field: &str| key_of("sensor", &sensor.name, field);
+            match &sensor.kind {
+                SensorKind::Goal { group } => {
+                    let own = self.groups.iter().filter(|it| it.robot == sensor.robot);
+                    known(&key("group"), group, own.map(|it| it.name.as_str())).err()
+                }
+                SensorKind::Grip { gripper } => {
+                    let own = self.grippers.iter().filter(|it| it.robot == sensor.robot);
+                    known(&key("gripper"), gripper, own.map(|it| it.name.as_str())).err()
+                }
+                _ => None,
+            }
+        });
+        read.collect()
     }
 
     fn check_point(&self, key: &str, point: &str, robot: &str) -> Result<(), ScenarioError> {
