@@ -445,7 +445,7 @@ holding_force_newtons = 20.0
             .collect();
         assert_eq!(
             told,
-            [("gripper hand", Some(11)), ("gripper cup", Some(28))]
+            [("gripper hand", Some(11)), ("gripper cup", Some(29))]
         );
         assert!(gaps.iter().all(evidence::DescriptionGap::can_matter));
         assert!(
