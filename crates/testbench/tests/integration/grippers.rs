@@ -457,12 +457,119 @@ fn bad_grippers_are_told_all_at_once_with_their_keys() {
         "`gripper.second.tools.1` names `hammer`",
         "`gripper.second.tools.2` names `table`, which is fixed to the world",
         "`gripper.second.reach_m` is -1",
-        "`gripper.third.open` has 1 numbers and the gripper has 2 joints",
+        "`gripper.third.open` lists 1 where the gripper has 2 joints",
         "`gripper.third.open` is as `closed` for a joint",
         "`gripper.third.width_m` is 0",
         "`gripper.third.joints.0` names `slide`, which the group `slide` drives, too",
     ] {
         assert!(told.contains(part), "no {part} in\n{told}");
+    }
+}
+
+/// A second arm that comes towards the first one along the same way, with a cup that looks back.
+const GIVEN: &str = r#"
+    [[robot]]
+    name = "other"
+    file = "cup.urdf"
+    fixed = true
+    x_m = 0.7
+    [[tool_point]]
+    name = "back"
+    robot = "other"
+    link = "cup"
+    pitch_rad = -1.5707963267948966
+    [[group]]
+    name = "track"
+    robot = "other"
+    joints = ["slide"]
+    mode = "torque"
+    [[gripper]]
+    name = "taker"
+    robot = "other"
+    kind = "suction"
+    tool_point = "back"
+    reach_m = 0.03
+    holding_force_newtons = 2000.0
+"#;
+
+#[test]
+fn momentum_is_kept_as_one_arm_gives_a_part_to_another() {
+    let urdf = CUP.replace("AXIS", "1 0 0");
+    let files = [("cup.urdf", urdf.as_str())];
+    // The first has the part from 0.55 s on, and meets the second, which stands, at about 0.9 s; then it lets go.
+    let test = r#"{ set_param = { "slide.slide_newtons" = 0.0, "taker.suction" = 1.0 }, after_secs = 0.25 },
+        { set_param = { "cup.suction" = 0.0, "slide.slide_newtons" = -2.0 }, after_secs = 0.55 },
+        { set_param = { "slide.slide_newtons" = 0.0 }, after_secs = 0.1 },"#;
+    let before = r#"{ set_param = { "slide.slide_newtons" = 0.0 }, after_secs = 0.25 },"#;
+    let text = format!("{}{GIVEN}", TAKEN.replace(before, test));
+    let read = ["/truth/part.velocity.x", "/truth/part.grasped_by"];
+    Scene::new(&text, &files).in_each(&read, |engine, trace| {
+        let names = [
+            "/group/slide.slide.velocity",
+            "/group/track.slide.velocity",
+            "/truth/part.velocity.x",
+        ];
+        let impulse = |secs: f64| {
+            let [first, second, part] = names.map(|name| at(trace, name, secs));
+            2.0 * first + 2.0 * second + 0.5 * part
+        };
+        // 4 N for 0.25 s; then 2 N for 0.1 s the other way.
+        for (secs, expected) in [(0.4, 1.0), (0.78, 1.0), (0.95, 0.8), (1.2, 0.8), (1.9, 0.8)] {
+            assert!(
+                (impulse(secs) - expected).abs() < 2e-3,
+                "{engine}: {} Ns at {secs} s",
+                impulse(secs)
+            );
+        }
+        assert_eq!(
+            name_at(trace, "/truth/part.grasped_by", 0.75),
+            "arm",
+            "{engine}"
+        );
+        assert_eq!(
+            name_at(trace, "/truth/part.grasped_by", 1.9),
+            "other",
+            "{engine}"
+        );
+        let [_, second, part] = names.map(|name| at(trace, name, 1.9));
+        assert!(
+            (second - part).abs() < 1e-3,
+            "{engine}: {second} and {part} m/s"
+        );
+    });
+}
+
+#[test]
+fn a_wrist_bears_what_is_attached_beyond_it() {
+    let Some((_, mujoco)) = engines().into_iter().find(|(name, _)| *name == "MuJoCo") else {
+        return;
+    };
+    let urdf = CUP.replace("AXIS", "0 0 1");
+    let files = [("cup.urdf", urdf.as_str())];
+    let wrist = r#"
+    [[sensor]]
+    name = "wrist"
+    robot = "arm"
+    kind = "force_torque"
+    link = "cup"
+    rate_hz = 100
+"#;
+    let text = LIFTED.replace("HARD", "1.5").replace(
+        "holding_force_newtons = 12.0",
+        "holding_force_newtons = 40.0",
+    );
+    let trace = Scene::new(&format!("{text}{wrist}"), &files)
+        .run(mujoco, &[])
+        .trace;
+    // The cup of 2 kg alone, then with the part of 1 kg that it has lifted and holds at rest.
+    for (secs, mass_kg) in [(0.15, 2.0), (1.78, 3.0)] {
+        let attached = at(&trace, "/gripper/cup.attached", secs);
+        assert_eq!(attached, f64::from(u8::from(mass_kg > 2.5)), "at {secs} s");
+        let newtons = at(&trace, "/sensor/wrist.force.2", secs);
+        assert!(
+            (newtons - 9.81 * mass_kg).abs() < 0.1,
+            "{newtons} N at {secs} s"
+        );
     }
 }
 

@@ -450,7 +450,7 @@ fn bad_groups_are_told_all_at_once_with_their_keys() {
         "`group.joints.stiffness` is missing: the mode `position` needs it",
         "`group.joints.acceleration_limit` is missing",
         "`group.joints.jerk_limit` is missing",
-        "`group.joints.damping` has 2 numbers and the group has 3 joints",
+        "`group.joints.damping` lists 2 where the group has 3 joints",
         "`group.joints.tool_point` names `top`",
         "`group.joints.joints.2` names `elbow`, which the actuator `extra` drives, too (velocity, here position)",
         "`group.second.joints.1` names `shoulder` twice",
@@ -459,7 +459,7 @@ fn bad_groups_are_told_all_at_once_with_their_keys() {
         "`trajectory.path.group` names `jonts`",
         "`sensor.lost.gripper` names `hand`",
         "`trajectory.other.velocity_scaling` is 2",
-        "`trajectory.other.waypoint.0` has 1 positions and the group `joints` has 3 joints",
+        "`trajectory.other.waypoint.0` lists 1 where the group `joints` has 3 joints",
         "`trajectory.other.waypoint.1` needs either `joints`",
         "`trajectory.other.waypoint.2.wait_secs` is -1",
     ] {

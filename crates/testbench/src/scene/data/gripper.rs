@@ -147,7 +147,7 @@ impl Gripper {
         for (field, numbers, low) in lists {
             if numbers.len() != count {
                 let problem = format!(
-                    "has {} numbers and the gripper has {count} joints; give one for each",
+                    "lists {} where the gripper has {count} joints; give a number for each",
                     numbers.len()
                 );
                 wrong.push(ScenarioError::value(&key(field), &problem));

@@ -29,7 +29,8 @@ pub struct Group {
     pub velocity_limit: Option<PerJoint>,
     /// The largest acceleration (rad/s² or m/s²) with which goals and trajectories are reached. A URDF has none.
     pub acceleration_limit: Option<PerJoint>,
-    /// The largest jerk (rad/s³ or m/s³), for the profile `jerk_limited`.
+    /// The largest jerk (rad/s³ or m/s³), for the profile `jerk_limited`. On a straight line of the tool point it holds for the
+    /// joints' part along the line, not for what its bends add.
     pub jerk_limit: Option<PerJoint>,
     /// How a commanded position is reached; at once, as far as the drives can, if left out. With a profile commands are goals.
     pub profile: Option<ProfileKind>,
@@ -149,7 +150,7 @@ impl PerJoint {
             && numbers.len() != joints
         {
             let problem = format!(
-                "has {} numbers and the group has {joints} joints; give one for each, or one for all",
+                "lists {} where the group has {joints} joints; give a number for each, or one for all",
                 numbers.len()
             );
             return Err(ScenarioError::value(key, &problem));
@@ -319,7 +320,7 @@ impl GroupWaypoint {
                 let expected = group.joints.len();
                 (joints.len() != expected).then(|| {
                     format!(
-                        "has {} positions and the group `{}` has {expected} joints",
+                        "lists {} where the group `{}` has {expected} joints; give a position for each",
                         joints.len(),
                         group.name
                     )
