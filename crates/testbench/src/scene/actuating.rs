@@ -39,6 +39,8 @@ pub(super) struct Actuating {
     pub(super) gripper: Option<Box<Gripping>>,
     /// Fields that were commanded since the last step.
     told: Vec<bool>,
+    /// What it acted on in the step before.
+    heard: Vec<f64>,
 }
 
 impl Actuating {
@@ -91,6 +93,7 @@ impl Actuating {
             robot,
             errors: DriveErrors::new(actuator, &commanded, holds(&actuator.kind), draws),
             was_faulty: false,
+            heard: commanded.clone(),
             commanded,
             told: vec![false; fields.len()],
             group,
@@ -155,6 +158,7 @@ impl Actuating {
     ) -> Option<String> {
         let mut ended = None;
         let strength = self.errors.strength(now_secs);
+        let is_sound = !self.errors.is_faulty(now_secs);
         let wanted = self.errors.act_on(&self.commanded, now_secs);
         if strength != self.strength {
             self.strength = strength;
@@ -197,9 +201,15 @@ impl Actuating {
             ActuatorKind::JointGroup(data) => {
                 if let Some(group) = &mut self.group {
                     let joints = data.group.joints.len();
-                    if self.told.contains(&true) {
-                        group.command(wanted, self.told[joints..].contains(&true));
+                    // A fault can keep a command back, or change it later.
+                    let changed = wanted.iter().zip(&self.heard).zip(&self.told);
+                    let new: Vec<bool> = changed
+                        .map(|((now, before), told)| (*told && is_sound) || now != before)
+                        .collect();
+                    if new.contains(&true) {
+                        group.command(wanted, new[joints..].contains(&true));
                     }
+                    self.heard.copy_from_slice(wanted);
                     ended = group.act(physics, self.drives.clone(), wanted, now_secs);
                 }
             }

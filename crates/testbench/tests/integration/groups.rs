@@ -302,6 +302,48 @@ fn a_controller_s_goal_is_taken_up_on_the_way_within_the_limits() {
     }
 }
 
+#[test]
+fn a_limp_group_falls_as_far_as_its_joints_let_it_and_a_stuck_one_takes_its_goal_up_later() {
+    let limp = "\n[[group.fault]]\nkind = \"weak\"\nstrength = 0.0\nfrom_secs = 1.0";
+    let text = cell(2.0, "", &format!("{SERVO}{limp}"));
+    Scene::new(&text, &FILES).in_each(&[], |engine, trace| {
+        let held = at(trace, "/group/joints.shoulder.position", 1.0);
+        assert!((held - 0.3).abs() < 0.01, "{engine}: {held} rad");
+        // About y what lies along x falls towards larger angles; there it swings about hanging down, 1.57 rad.
+        let lowest = most(trace, "/group/joints.shoulder.position");
+        assert!(lowest > 1.2, "{engine}: {lowest} rad");
+        assert_eq!(at(trace, "/command/joints.faulty", 1.5), 1.0, "{engine}");
+    });
+    let stuck = "\n[[group.fault]]\nkind = \"stuck\"\nfrom_secs = 0.1\nuntil_secs = 0.8";
+    let action = "{ set_param = { \"joints.elbow_rad\" = 0.2 }, after_secs = 0.3 }";
+    let text = cell(
+        2.5,
+        action,
+        &format!("{SERVO}profile = \"trapezoid\"{stuck}"),
+    );
+    Scene::new(&text, &FILES).in_each(&[], |engine, trace| {
+        assert_eq!(
+            at(trace, "/group/joints.elbow.reference", 0.79),
+            -0.9,
+            "{engine}"
+        );
+        assert_eq!(
+            at(trace, "/group/joints.elbow.reference", 2.5),
+            0.2,
+            "{engine}"
+        );
+    });
+    let wrong =
+        "\n[[group.fault]]\nkind = \"offset\"\nfrom_secs = 0.1\noffset = { along_rad = 1.0 }";
+    let text = refused(&cell(1.0, "", &format!("{SERVO}{wrong}")));
+    assert!(
+        text.contains(
+            "`group.joints.fault.0.offset.along_rad` is none of along_m, shoulder_rad, elbow_rad"
+        ),
+        "{text}"
+    );
+}
+
 const LINE: &str = r#"
     profile = "trapezoid"
     tool_point = "tip"

@@ -149,13 +149,15 @@ impl SceneData {
                     .collect(),
                 group: group.clone(),
             }));
+            let named = ("group", group.name.as_str(), group.robot.as_str());
             self.actuators
-                .push(Actuator::of(&group.name, &group.robot, kind));
+                .push(Actuator::of(named, &group.faults, kind));
         }
         for gripper in &self.grippers {
             let kind = ActuatorKind::Gripper(Box::new(gripper.clone()));
+            let named = ("gripper", gripper.name.as_str(), gripper.robot.as_str());
             self.actuators
-                .push(Actuator::of(&gripper.name, &gripper.robot, kind));
+                .push(Actuator::of(named, &gripper.faults, kind));
         }
     }
 
@@ -168,6 +170,7 @@ impl SceneData {
         models: &BTreeMap<String, robot_model::Model>,
     ) -> Result<(), ScenarioError> {
         let mut wrong = Vec::new();
+        let step_secs = self.simulation.time_step_secs;
         let files: BTreeMap<&str, &str> = self
             .robots
             .iter()
@@ -188,8 +191,10 @@ impl SceneData {
                         wrong.extend(drivable(model, &key, name).err());
                     }
                 }
-                _ => {}
+                _ => continue,
             }
+            // Units of fields are known only now.
+            wrong.extend(actuator.check_errors(step_secs).err());
         }
         ScenarioError::all(wrong)
     }

@@ -222,9 +222,17 @@ pub struct Actuator {
     /// Faults that may occur.
     #[serde(default, rename = "fault")]
     pub faults: Vec<ActuatorFault>,
+    /// The list of the scene that it stands in, by which its numbers are drawn.
+    #[serde(skip, default = "own_list")]
+    pub(in crate::scene) list: &'static str,
     /// What it drives, and how.
     #[serde(flatten)]
     pub kind: ActuatorKind,
+}
+
+/// The list of actuators.
+fn own_list() -> &'static str {
+    "actuator"
 }
 
 /// What an actuator drives.
@@ -326,14 +334,19 @@ pub struct JointGroup {
 
 impl Actuator {
     /// A group or a gripper, which controllers command as any actuator.
-    pub(super) fn of(name: &str, robot: &str, kind: ActuatorKind) -> Self {
+    pub(super) fn of(
+        (list, name, robot): (&'static str, &str, &str),
+        faults: &[ActuatorFault],
+        kind: ActuatorKind,
+    ) -> Self {
         Self {
             name: name.to_owned(),
             robot: robot.to_owned(),
             noise: BTreeMap::new(),
             noise_hz: hundred(),
             bias: BTreeMap::new(),
-            faults: Vec::new(),
+            faults: faults.to_vec(),
+            list,
             kind,
         }
     }

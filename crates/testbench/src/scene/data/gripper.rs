@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{key_of, number_within};
+use super::{ActuatorFault, key_of, number_within};
 use crate::bench::ScenarioError;
 
 /// A gripper or a tool changer of a robot. A controller commands it by its name; what it holds is recorded as `/gripper/NAME`.
@@ -13,6 +13,9 @@ pub struct Gripper {
     pub name: String,
     /// The robot it belongs to.
     pub robot: String,
+    /// Faults that may occur.
+    #[serde(default, rename = "fault")]
+    pub faults: Vec<ActuatorFault>,
     /// What it is.
     #[serde(flatten)]
     pub kind: GripperKind,

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{key_of, number_within};
+use super::{ActuatorFault, key_of, number_within};
 use crate::bench::ScenarioError;
 
 /// Joints of a robot that are commanded together, as MoveIt and ros2_control have them. A controller commands all of them by one
@@ -43,6 +43,9 @@ pub struct Group {
     /// The largest acceleration of the tool point on straight lines.
     #[serde(default = "one")]
     pub line_acceleration_m_s2: f64,
+    /// Faults of all its drives together that may occur.
+    #[serde(default, rename = "fault")]
+    pub faults: Vec<ActuatorFault>,
 }
 
 /// What a group's commands mean.
