@@ -105,13 +105,10 @@ fn finds_all(model: &Model, chain: &Chain, poses: usize) {
             .tool_pose(chain, &with(model, chain, &found.positions))
             .unwrap();
         let turn = rotation_vector(tool.rotation, goal.rotation.unwrap());
-        for axis in 0..3 {
-            assert!(
-                (tool.position_m[axis] - goal.position_m[axis]).abs() < 2e-6,
-                "pose {number}"
-            );
-            assert!(turn[axis].abs() < 2e-6, "pose {number}");
+        for (now, wanted) in tool.position_m.iter().zip(goal.position_m) {
+            assert!((now - wanted).abs() < 2e-6, "pose {number}");
         }
+        assert!(turn.iter().all(|angle| angle.abs() < 2e-6), "pose {number}");
         for (joint, position) in chain.joints.iter().zip(&found.positions) {
             let [low, high] = model.joints[*joint].limits.unwrap_or([-1e9, 1e9]);
             assert!(
