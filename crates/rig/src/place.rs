@@ -28,6 +28,10 @@ pub fn problem_of(source: &Source, error: &ScenarioError) -> Problem {
             span_of(text, key).map(|span| named(text, span, name))
         }
         ScenarioError::Description { .. } => None,
+        ScenarioError::Several(all) => {
+            let each = all.iter().map(|error| problem_of(source, error));
+            return Problem::all(each).unwrap_or_else(plain);
+        }
     };
     match span {
         Some(span) => Problem::new("bad-scene", error.to_string()).at(source, span),

@@ -24,8 +24,8 @@ use study::Study;
 use testbench::controller::{Controller, ControllerError, RemoteController};
 use testbench::physics::RAPIER_VERSION;
 use testbench::scene::{
-    BuildPhysics, ControllerData, SceneBench, SceneGap, StartController, TruthVocabulary, mujoco,
-    rapier,
+    BuildPhysics, ControllerData, Gripper, GripperKind, SceneBench, SceneGap, StartController,
+    TruthVocabulary, mujoco, rapier,
 };
 use testbench::{Bench, Drawn, Engine, Recorded, SimError, Watch};
 use toml::Table;
@@ -109,6 +109,7 @@ impl SceneRig {
             }
         }
         let files = files.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let declared = attaching(scene, source, &bench.data().grippers);
         let beside = scene.parent().unwrap_or(Path::new(""));
         let assets = files.into_iter().map(|(path, hash)| Asset {
             role: AssetRole::SystemModel,
@@ -121,7 +122,11 @@ impl SceneRig {
             text: source.text.clone(),
             engine: (physics.name, physics.version),
             assets: assets.collect(),
-            gaps: gaps.into_iter().map(|gap| in_study(beside, gap)).collect(),
+            gaps: gaps
+                .into_iter()
+                .map(|gap| in_study(beside, gap))
+                .chain(declared)
+                .collect(),
             truth,
         })
     }
@@ -283,6 +288,30 @@ fn check_ros2(source: &Source) -> Result<(), Problem> {
     })
 }
 
+/// What a scene's grippers attach instead of holding it by friction or air: simplifications that the scene declares.
+fn attaching(scene: &Path, source: &Source, grippers: &[Gripper]) -> Vec<DescriptionGap> {
+    let declared = grippers.iter().filter_map(|gripper| {
+        let what = match &gripper.kind {
+            GripperKind::Suction { .. } => "what a suction cup holds is attached to it",
+            GripperKind::ToolChanger { .. } => "a tool is attached to its flange",
+            _ if gripper.attaches_when_grasped() => "what is grasped is attached to the hand",
+            _ => return None,
+        };
+        let span = span_of(&source.text, &format!("gripper.{}", gripper.name));
+        let place = span.map(|span| diagnostic::line_and_column(&source.text, span.start));
+        Some(DescriptionGap {
+            file: plain(scene),
+            line: place.and_then(|(line, _)| u32::try_from(line).ok()),
+            column: place.and_then(|(_, column)| u32::try_from(column).ok()),
+            element: format!("gripper {}", gripper.name),
+            what: format!("{what}, a simplification that the scene declares"),
+            effect: "contact".to_owned(),
+            consequence: "whether and how firmly it is held is assumed, not shown".to_owned(),
+        })
+    });
+    declared.collect()
+}
+
 /// A gap, its file by its path in the study; addresses such as `package://` stay what they are.
 fn in_study(beside: &Path, gap: SceneGap) -> DescriptionGap {
     let file = match gap.file.contains("://") {
@@ -367,6 +396,64 @@ fn scene_problem(source: &Source, error: &SimError) -> Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use testbench::scene::SceneData;
+
+    #[test]
+    fn what_a_gripper_attaches_is_a_declared_simplification_with_its_place() {
+        let text = r#"
+name = "cell"
+simulation = { duration_secs = 1.0 }
+abstract_test = [{ name = "wait", actions = [] }]
+[[robot]]
+name = "arm"
+file = "arm.urdf"
+[[tool_point]]
+name = "rim"
+robot = "arm"
+[[gripper]]
+name = "hand"
+robot = "arm"
+kind = "parallel"
+joints = ["finger"]
+open = [0.04]
+closed = [0.0]
+width_m = 0.08
+force_limit_newtons = 20.0
+attach = "when-grasped"
+[[gripper]]
+name = "plain"
+robot = "arm"
+kind = "under_actuated"
+joints = ["thumb"]
+pulley_radii_m = [0.01]
+return_stiffness = [0.1]
+tension_limit_newtons = 20.0
+[[gripper]]
+name = "cup"
+robot = "arm"
+kind = "suction"
+tool_point = "rim"
+reach_m = 0.01
+holding_force_newtons = 20.0
+"#;
+        let source = Source::new("cells/scene.toml", text);
+        let data = SceneData::from_table(text.parse().expect("TOML")).expect("a sound scene");
+        let gaps = attaching(Path::new("cells/scene.toml"), &source, &data.grippers);
+        let told: Vec<(&str, Option<u32>)> = gaps
+            .iter()
+            .map(|it| (it.element.as_str(), it.line))
+            .collect();
+        assert_eq!(
+            told,
+            [("gripper hand", Some(11)), ("gripper cup", Some(29))]
+        );
+        assert!(gaps.iter().all(evidence::DescriptionGap::can_matter));
+        assert!(
+            gaps[0]
+                .what
+                .contains("what is grasped is attached to the hand, a simplification")
+        );
+    }
 
     #[test]
     fn paths_are_given_without_detours() {

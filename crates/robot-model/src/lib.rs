@@ -30,6 +30,7 @@ mod assembly;
 mod checks;
 pub mod diagnostics;
 mod dynamics;
+pub mod inverse;
 mod kinematics;
 pub mod mesh;
 mod mjcf;

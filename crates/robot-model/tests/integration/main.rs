@@ -2,6 +2,7 @@
 
 mod common;
 mod hostile;
+mod inverse;
 mod masses;
 mod mjcf;
 mod sdf;

@@ -31,9 +31,23 @@ pub enum ScenarioError {
         /// What is wrong, with places and remedies.
         reason: String,
     },
+    /// More than one of them.
+    Several(Vec<ScenarioError>),
 }
 
 impl ScenarioError {
+    /// All that was found, if anything was.
+    ///
+    /// # Errors
+    /// The one error, or [`ScenarioError::Several`].
+    pub fn all(mut found: Vec<ScenarioError>) -> Result<(), ScenarioError> {
+        match found.len() {
+            0 => Ok(()),
+            1 => Err(found.remove(0)),
+            _ => Err(Self::Several(found)),
+        }
+    }
+
     /// A value out of range: its key, and what is wrong with it, so that the message reads "the value of `key` ...".
     #[must_use]
     pub fn value(key: &str, problem: &str) -> Self {
@@ -47,6 +61,10 @@ impl ScenarioError {
 impl fmt::Display for ScenarioError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Several(all) => {
+                let texts: Vec<String> = all.iter().map(ToString::to_string).collect();
+                f.write_str(&texts.join("\n"))
+            }
             Self::Syntax { reason } => write!(f, "the scenario cannot be read: {reason}"),
             Self::Value { key, problem } => {
                 write!(

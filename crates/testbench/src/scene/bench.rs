@@ -8,9 +8,10 @@ use toml::{Table, Value};
 use trace::Trace;
 
 use super::build::{Built, Models, build, check_engine};
-use super::data::{ControllerData, SceneData, resolve};
+use super::data::{ActuatorKind, ControllerData, SceneData, resolve};
 use super::draws::Draws;
 use super::gaps::SceneGap;
+use super::grouping::Grouping;
 use super::recorder::Recorder;
 use super::run::{Run, known, unsuitable};
 use super::truth::{Declared, TruthVocabulary, UnknownTruth};
@@ -84,8 +85,9 @@ impl SceneBench {
         let table: Table = toml::from_str(scene).map_err(|error| ScenarioError::Syntax {
             reason: error.to_string(),
         })?;
-        let data = SceneData::from_table(table.clone())?;
+        let mut data = SceneData::from_table(table.clone())?;
         let (models, gaps) = super::load::load(&data, file)?;
+        data.complete(&models)?;
         let mut descriptions = Vec::new();
         for controller in &data.controllers {
             let mut started = controllers(controller)?;
@@ -96,6 +98,7 @@ impl SceneBench {
         let engine = physics(&built.layout)?;
         check_engine(&data, &built.layout, engine.as_ref())?;
         check_tool_points(&data, &built)?;
+        check_waypoints(&data, &models, &built)?;
         let truth: BTreeSet<String> = data.truth.record.iter().cloned().collect();
         let none = Declared::new(&data, &built, &Trace::new(), &BTreeSet::new());
         let none = none.map_err(|unknown| of_scene(&unknown))?;
@@ -218,7 +221,7 @@ impl SceneBench {
         let mut drawn = self.table_with(settings)?;
         let draws = Draws { seed };
         resolve(&mut drawn, &mut |key, d| draws.number(key, d));
-        let data = SceneData::read(drawn).map_err(|error| unsuitable(&error))?;
+        let mut data = SceneData::read(drawn).map_err(|error| unsuitable(&error))?;
         let Prepared {
             models,
             physics,
@@ -226,6 +229,7 @@ impl SceneBench {
             truth,
             ..
         } = self.prepared.as_ref();
+        data.complete(models).map_err(|error| unsuitable(&error))?;
         Ok(Arc::new(Prepared {
             data,
             undrawn: false,
@@ -314,6 +318,43 @@ fn check_tool_points(data: &SceneData, built: &Built) -> Result<(), ScenarioErro
         }
     }
     Ok(())
+}
+
+/// Waypoints can be reached from where their robot begins, as far as that is not drawn.
+fn check_waypoints(data: &SceneData, models: &Models, built: &Built) -> Result<(), ScenarioError> {
+    let mut wrong = Vec::new();
+    for actuator in &data.actuators {
+        let ActuatorKind::JointGroup(group) = &actuator.kind else {
+            continue;
+        };
+        let place = data.robots.iter().position(|it| it.name == actuator.robot);
+        let Some(place) = place else { continue };
+        let robot = &data.robots[place];
+        let stands = robot.place();
+        let mut numbers = stands.fields().into_iter().map(|(_, number)| number);
+        let is_drawn = |number: &Distribution| !matches!(number, Distribution::Constant(_));
+        if numbers.any(is_drawn) || robot.joints.values().any(is_drawn) {
+            continue;
+        }
+        let own = data.trajectories.iter();
+        let own = own
+            .filter(|it| it.group == actuator.name)
+            .cloned()
+            .collect();
+        let Some(model) = models.get(&robot.file) else {
+            continue;
+        };
+        let at_work = Grouping::new(group, &built.robots[place], &built.layout, model, own);
+        for (key, [distance_m, angle_rad]) in at_work.unreachable(&built.layout) {
+            let problem = format!(
+                "cannot be reached from the waypoint before: {:.1} mm and {:.2} degrees are left at the best pose found",
+                1e3 * distance_m,
+                angle_rad.to_degrees()
+            );
+            wrong.push(ScenarioError::value(&key, &problem));
+        }
+    }
+    ScenarioError::all(wrong)
 }
 
 /// Whether there are plain numbers in it that each episode draws.

@@ -4,8 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use super::compliant::{Compliant, keep_apart};
-use super::data::{Actuator, ActuatorKind, Object, Robot, SceneData, Sensor, SensorKind};
+use super::data::{
+    Actuator, ActuatorKind, Gripper, GripperKind, GroupMode, JointGroup, Object, Robot, SceneData,
+    Sensor, SensorKind,
+};
 use super::draws::Draws;
+use super::gripping::{FOLLOWS_SECS, FULL_AT};
 use super::materials::coat;
 use super::person::body_of;
 use super::sensing::joints_of;
@@ -386,6 +390,21 @@ fn add_drives(
             *torque_limit_nm,
         ),
         ActuatorKind::Effort { limit, .. } => (DriveKind::Effort, *limit),
+        ActuatorKind::JointGroup(group) => {
+            let plans = group_drives(group);
+            return add_each(layout, "group", actuator, joints, &plans);
+        }
+        ActuatorKind::Gripper(gripper) => {
+            let drives = add_each(
+                layout,
+                "gripper",
+                actuator,
+                joints,
+                &gripper_drives(gripper),
+            )?;
+            add_return_springs(layout, gripper, drives.clone());
+            return Ok(drives);
+        }
         ActuatorKind::PlanarVelocity { .. } => return Ok(start..start),
     };
     for name in actuator.kind.joints() {
@@ -403,6 +422,98 @@ fn add_drives(
         });
     }
     Ok(start..layout.drives.len())
+}
+
+/// A drive for each joint of a group or of a gripper, each with its law and its limit.
+fn add_each(
+    layout: &mut Layout,
+    list: &str,
+    actuator: &Actuator,
+    joints: Option<&BTreeMap<String, usize>>,
+    plans: &[(DriveKind, f64)],
+) -> Result<Range<usize>, ScenarioError> {
+    let start = layout.drives.len();
+    let named = actuator.kind.joints().into_iter().zip(plans);
+    for (place, (name, (kind, limit))) in named.enumerate() {
+        let joint = joints.and_then(|joints| joints.get(name));
+        let joint = joint.ok_or_else(|| ScenarioError::UnknownName {
+            key: super::data::key_of(list, &actuator.name, &format!("joints.{place}")),
+            name: name.to_owned(),
+        })?;
+        layout.drives.push(DrivePlan {
+            joint: *joint,
+            kind: *kind,
+            limit: *limit,
+        });
+    }
+    Ok(start..layout.drives.len())
+}
+
+fn group_drives(data: &JointGroup) -> Vec<(DriveKind, f64)> {
+    let group = &data.group;
+    let number = |numbers: &Option<super::data::PerJoint>, joint: usize| {
+        numbers.as_ref().map_or(0.0, |numbers| numbers.of(joint))
+    };
+    let kind = |joint: usize| match group.mode {
+        GroupMode::Position | GroupMode::Impedance => DriveKind::Position {
+            stiffness: number(&group.stiffness, joint),
+            damping: number(&group.damping, joint),
+        },
+        GroupMode::Velocity => DriveKind::Velocity {
+            gain: number(&group.damping, joint),
+        },
+        GroupMode::Torque => DriveKind::Effort,
+    };
+    let joints = data.torque_limit.iter().enumerate();
+    joints.map(|(joint, limit)| (kind(joint), *limit)).collect()
+}
+
+fn gripper_drives(gripper: &Gripper) -> Vec<(DriveKind, f64)> {
+    match &gripper.kind {
+        GripperKind::Parallel {
+            open,
+            closed,
+            width_m,
+            force_limit_newtons,
+            ..
+        } => {
+            let count = open.len() as f64;
+            let joints = open.iter().zip(closed);
+            let drive = |(open, closed): (&f64, &f64)| {
+                let way = (open - closed).abs();
+                let limit = force_limit_newtons * width_m / (count * way);
+                let stiffness = limit / (FULL_AT * way);
+                let damping = stiffness * FOLLOWS_SECS;
+                (DriveKind::Position { stiffness, damping }, limit)
+            };
+            joints.map(drive).collect()
+        }
+        GripperKind::UnderActuated {
+            pulley_radii_m,
+            tension_limit_newtons,
+            ..
+        } => {
+            let limit = |radius_m: &f64| (radius_m.abs() * tension_limit_newtons).max(1e-9);
+            let radii = pulley_radii_m.iter();
+            radii
+                .map(|radius| (DriveKind::Effort, limit(radius)))
+                .collect()
+        }
+        GripperKind::Suction { .. } | GripperKind::ToolChanger { .. } => Vec::new(),
+    }
+}
+
+/// Springs that open an under-actuated gripper's joints, besides those that its description has.
+fn add_return_springs(layout: &mut Layout, gripper: &Gripper, drives: Range<usize>) {
+    if let GripperKind::UnderActuated {
+        return_stiffness, ..
+    } = &gripper.kind
+    {
+        for (drive, stiffness) in drives.zip(return_stiffness) {
+            let joint = layout.drives[drive].joint;
+            layout.joints[joint].stiffness += stiffness;
+        }
+    }
 }
 
 /// Every link and joint that a sensor names exists.

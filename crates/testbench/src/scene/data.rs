@@ -5,9 +5,12 @@
 //! one changes no other.
 
 mod actuator;
+mod arms;
 mod body;
 mod compliance;
 mod drawn;
+mod gripper;
+mod group;
 mod person;
 mod sensor;
 mod solver;
@@ -21,10 +24,12 @@ use stimulus::{AbstractTest, Distribution};
 use toml::Table;
 
 pub use actuator::{ActuatorFault, ActuatorFaultKind};
-pub use body::{Actuator, ActuatorKind, Object, PlaceKeys, Robot};
+pub use body::{Actuator, ActuatorKind, JointGroup, Object, PlaceKeys, Robot};
 pub use compliance::Compliance;
 pub(super) use compliance::{REGIONS, Region as BodyRegion};
 pub(super) use drawn::resolve;
+pub use gripper::{Attach, Gripper, GripperKind};
+pub use group::{Group, GroupMode, GroupWaypoint, PerJoint, ProfileKind, Trajectory};
 pub use person::{
     Activity, ArmAngles, ArmPose, Avoidance, Hesitation, Person, PersonBody, Reaction,
     ReactionKind, Waypoint,
@@ -58,6 +63,15 @@ pub struct SceneData {
     /// Drives.
     #[serde(default, rename = "actuator")]
     pub actuators: Vec<Actuator>,
+    /// Joints that are commanded together.
+    #[serde(default, rename = "group")]
+    pub groups: Vec<Group>,
+    /// Waypoints of groups, for robots without a controller.
+    #[serde(default, rename = "trajectory")]
+    pub trajectories: Vec<Trajectory>,
+    /// Grippers and tool changers.
+    #[serde(default, rename = "gripper")]
+    pub grippers: Vec<Gripper>,
     /// Sensors.
     #[serde(default, rename = "sensor")]
     pub sensors: Vec<Sensor>,
@@ -265,13 +279,14 @@ impl SceneData {
 
     /// Reads and checks a scene in which plain numbers are drawn already.
     pub(super) fn read(table: Table) -> Result<Self, ScenarioError> {
-        let data: Self =
+        let mut data: Self =
             table
                 .try_into()
                 .map_err(|error: toml::de::Error| ScenarioError::Syntax {
                     reason: error.to_string(),
                 })?;
         data.check()?;
+        data.add_arms();
         Ok(data)
     }
 
@@ -281,34 +296,41 @@ impl SceneData {
         self.abstract_tests.iter().find(|test| test.name == name)
     }
 
+    /// What is wrong with it, as far as its parts are known: the first of each part, of all parts.
     fn check(&self) -> Result<(), ScenarioError> {
-        self.simulation.check()?;
+        let step_secs = self.simulation.time_step_secs;
+        let mut found = vec![
+            self.simulation.check(),
+            self.check_names(),
+            self.check_materials(),
+            self.check_truth(),
+            self.check_tests(),
+        ];
         if let Some(ground) = &self.ground {
-            within("ground.friction", &ground.friction, 0.0, 10.0)?;
+            found.push(within("ground.friction", &ground.friction, 0.0, 10.0));
         }
-        self.check_names()?;
-        self.check_materials()?;
-        self.check_truth()?;
-        self.robots.iter().try_for_each(Robot::check)?;
-        self.objects.iter().try_for_each(Object::check)?;
-        self.people.iter().try_for_each(Person::check)?;
+        found.extend(self.robots.iter().map(Robot::check));
+        found.extend(self.objects.iter().map(Object::check));
+        found.extend(self.people.iter().map(Person::check));
         for actuator in &self.actuators {
-            self.check_robot("actuator", &actuator.name, &actuator.robot)?;
-            actuator.check(self.simulation.time_step_secs)?;
+            found.push(self.check_robot("actuator", &actuator.name, &actuator.robot));
+            found.push(actuator.check(step_secs));
         }
         for sensor in &self.sensors {
-            self.check_robot("sensor", &sensor.name, &sensor.robot)?;
-            sensor.check(self.simulation.time_step_secs)?;
+            found.push(self.check_robot("sensor", &sensor.name, &sensor.robot));
+            found.push(sensor.check(step_secs));
         }
         for controller in &self.controllers {
-            self.check_robot("controller", &controller.name, &controller.robot)?;
-            controller.check(self.simulation.time_step_secs)?;
+            found.push(self.check_robot("controller", &controller.name, &controller.robot));
+            found.push(controller.check(step_secs));
         }
         if self.robots.len() + self.objects.len() + self.people.len() > 30 {
             let problem = "are more than 30 robots, objects and people together";
-            return Err(ScenarioError::value("robot, object, person", problem));
+            found.push(Err(ScenarioError::value("robot, object, person", problem)));
         }
-        self.check_tests()
+        let mut wrong: Vec<ScenarioError> = found.into_iter().filter_map(Result::err).collect();
+        wrong.extend(self.wrong_arms());
+        ScenarioError::all(wrong)
     }
 
     fn check_robot(&self, list: &str, name: &str, robot: &str) -> Result<(), ScenarioError> {
@@ -375,7 +397,7 @@ impl SceneData {
 
     /// Names are part of topics and of keys.
     fn check_names(&self) -> Result<(), ScenarioError> {
-        let lists: [(&str, Vec<&str>); 9] = [
+        let lists: [(&str, Vec<&str>); 12] = [
             (
                 "robot",
                 self.robots.iter().map(|x| x.name.as_str()).collect(),
@@ -411,6 +433,18 @@ impl SceneData {
             (
                 "tool_point",
                 self.tool_points.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "group",
+                self.groups.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "trajectory",
+                self.trajectories.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "gripper",
+                self.grippers.iter().map(|x| x.name.as_str()).collect(),
             ),
         ];
         let mut seen = BTreeSet::new();

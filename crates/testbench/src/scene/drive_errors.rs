@@ -50,7 +50,8 @@ pub(super) enum ForcedDriveFault {
 /// A drive's errors in an episode.
 #[derive(Debug, Clone)]
 pub(super) struct DriveErrors {
-    name: String,
+    /// The name of the stream of its noise.
+    stream_name: String,
     bias: Vec<f64>,
     noise: Vec<f64>,
     noise_hz: f64,
@@ -73,7 +74,8 @@ pub(super) struct DriveErrors {
 impl DriveErrors {
     /// At the beginning of an episode, when the drive acts on `start`.
     pub(super) fn new(actuator: &Actuator, start: &[f64], holds: bool, draws: Draws) -> Self {
-        let drawn = |field: &str, d: &Distribution| draws.of("actuator", &actuator.name, field, d);
+        let drawn =
+            |field: &str, d: &Distribution| draws.of(actuator.list, &actuator.name, field, d);
         let fields = actuator.fields();
         let errors = |list: &str, errors: &BTreeMap<String, Distribution>| -> Vec<f64> {
             let error = |field: &PortField| {
@@ -86,7 +88,7 @@ impl DriveErrors {
         let fault = |(index, fault): (usize, &ActuatorFault)| {
             let field = |name: &str| format!("fault.{index}.{name}");
             let probability = drawn(&field("probability"), &fault.probability);
-            let name = format!("actuator.{}.{}", actuator.name, field("occurs"));
+            let name = format!("{}.{}.{}", actuator.list, actuator.name, field("occurs"));
             let until_secs = fault.until_secs.as_ref();
             let number = |name: &str, d: &Option<Distribution>| {
                 d.as_ref().map_or(0.0, |d| drawn(&field(name), d))
@@ -113,14 +115,14 @@ impl DriveErrors {
             noise_hz: actuator.noise_hz,
             faults: faults.filter_map(fault).collect(),
             forced: None,
-            stream: draws.stream(&errors_of(&actuator.name)),
+            stream: draws.stream(&errors_of(actuator)),
             drawn: vec![0.0; start.len()],
             drawn_number: None,
             commands: VecDeque::from([(f64::NEG_INFINITY, start.to_vec())]),
             holds,
             passed: start.to_vec(),
             acted_on: start.to_vec(),
-            name: actuator.name.clone(),
+            stream_name: errors_of(actuator),
         }
     }
 
@@ -236,11 +238,11 @@ impl DriveErrors {
 
     /// Draws errors from here on anew.
     pub(super) fn draw_anew(&mut self, draws: Draws) {
-        self.stream = draws.stream(&errors_of(&self.name));
+        self.stream = draws.stream(&self.stream_name);
     }
 }
 
 /// The name of the stream of a drive's noise.
-fn errors_of(name: &str) -> String {
-    format!("actuator.{name}.errors")
+fn errors_of(actuator: &Actuator) -> String {
+    format!("{}.{}.errors", actuator.list, actuator.name)
 }

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use stimulus::Distribution;
 
+use super::actuating::Actuating;
 use super::build::{Built, BuiltRobot};
-use super::data::{Sensor, SensorKind};
+use super::data::{SceneData, Sensor, SensorKind};
 use super::draws::Draws;
 use super::sensing::joints_of;
 use super::vision::{self, Marker, View};
@@ -23,6 +24,8 @@ pub(super) struct Scenery<'a> {
     pub(super) physics: &'a dyn Physics,
     pub(super) built: &'a Built,
     pub(super) people: &'a [Walker],
+    pub(super) data: &'a SceneData,
+    pub(super) actuators: &'a [Actuating],
     /// The touches of the last step.
     pub(super) touches: &'a [Touch],
 }
@@ -79,6 +82,12 @@ enum Kind {
     ForceTorque,
     JointTorque {
         joints: Vec<usize>,
+    },
+    Goal {
+        group: String,
+    },
+    Grip {
+        gripper: String,
     },
 }
 
@@ -198,6 +207,12 @@ impl Instrument {
             SensorKind::ForceTorque { .. } => Kind::ForceTorque,
             SensorKind::JointTorque { joints } => Kind::JointTorque {
                 joints: joints_of(robot, joints),
+            },
+            SensorKind::Goal { group } => Kind::Goal {
+                group: group.clone(),
+            },
+            SensorKind::Grip { gripper } => Kind::Grip {
+                gripper: gripper.clone(),
             },
         };
         Self {
@@ -345,6 +360,8 @@ impl Instrument {
             }
             Kind::ForceTorque => wrench::at_flange(scenery, &self.mount),
             Kind::JointTorque { joints } => wrench::at_joints(scenery, joints),
+            Kind::Goal { group } => one(&goal(scenery, group)),
+            Kind::Grip { gripper } => one(&grip(scenery, gripper)),
         }
     }
 }
@@ -409,6 +426,36 @@ fn imu(scenery: &Scenery<'_>, body: usize, before: &mut Option<(f64, Vector)>) -
         rotate(back, twist.angular_rad_s).to_vec(),
         rotate(back, specific).to_vec(),
     ]
+}
+
+/// Whether a group is on its way, and by how much its last goal was out of reach.
+fn goal(scenery: &Scenery<'_>, group: &str) -> [f64; 3] {
+    let named = scenery.actuators.iter().find(|it| it.name == group);
+    let group = named.and_then(|it| it.group.as_ref());
+    group.map_or([f64::NAN; 3], |group| {
+        let [distance_m, angle_rad] = group.left();
+        [
+            f64::from(u8::from(group.is_moving())),
+            distance_m,
+            angle_rad,
+        ]
+    })
+}
+
+/// Whether a gripper holds something, whether that is attached, by which force, and its width.
+fn grip(scenery: &Scenery<'_>, gripper: &str) -> [f64; 4] {
+    let named = scenery.actuators.iter().find(|it| it.name == gripper);
+    let gripper = named.and_then(|it| it.gripper.as_ref());
+    gripper.map_or([f64::NAN; 4], |gripper| {
+        let row = gripper.row(
+            scenery.data,
+            scenery.built,
+            scenery.physics,
+            scenery.touches,
+        );
+        let number = |place: usize| row.get(place).copied().unwrap_or(f64::NAN);
+        [number(0).min(1.0), number(1), number(2), number(3)]
+    })
 }
 
 /// The normal forces on a body.

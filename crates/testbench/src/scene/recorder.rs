@@ -2,7 +2,10 @@
 
 use trace::{Field, Trace, TraceError};
 
-use super::data::{Activity, PersonBody, SceneData, Sensor, SensorKind};
+use super::data::{
+    Activity, ActuatorKind, GripperKind, JointGroup, PersonBody, SceneData, Sensor, SensorKind,
+};
+use super::gripping::names_of;
 use super::truth::Block;
 use crate::bench::{Control, Watch};
 use crate::controller::Description;
@@ -16,6 +19,8 @@ pub(super) struct Topics {
     pub(super) actuators: Vec<usize>,
     pub(super) controllers: Vec<usize>,
     pub(super) test: usize,
+    /// Of what actuators are at that are groups or grippers.
+    pub(super) arms: Vec<Option<usize>>,
     /// Of declared truth, by block: its own topic; `None` where its fields are in one that is always there.
     pub(super) declared: Vec<Option<usize>>,
 }
@@ -46,6 +51,7 @@ impl Recorder {
             actuators: Vec::new(),
             controllers: Vec::new(),
             test: 0,
+            arms: Vec::new(),
             declared: Vec::new(),
         };
         for robot in &data.robots {
@@ -78,6 +84,20 @@ impl Recorder {
             let fields = controller_fields(description);
             let topic = trace.add_channel(format!("/controller/{}", controller.name), fields)?;
             topics.controllers.push(topic);
+        }
+        for actuator in &data.actuators {
+            topics.arms.push(match &actuator.kind {
+                ActuatorKind::JointGroup(group) => {
+                    let topic = format!("/group/{}", actuator.name);
+                    Some(trace.add_channel(topic, group_fields(group))?)
+                }
+                ActuatorKind::Gripper(gripper) => {
+                    let topic = format!("/gripper/{}", actuator.name);
+                    let names = names_of(gripper, data);
+                    Some(trace.add_channel(topic, gripper_fields(&gripper.kind, names))?)
+                }
+                _ => None,
+            });
         }
         let test = vec![Field::number("actions_done", "1"), Field::bool("done")];
         topics.test = trace.add_channel("/test", test)?;
@@ -177,6 +197,9 @@ pub(super) fn is_summed_up(sensor: &Sensor, length: usize) -> bool {
     is_image && length > 1 && !sensor.record_all
 }
 
+/// Fields of sensors that are truth values.
+const BOOLS: [&str; 5] = ["seen", "touching", "moving", "holding", "attached"];
+
 fn sensor_fields(sensor: &Sensor) -> Vec<Field> {
     let mut fields = vec![Field::number("measured_at", "s"), Field::bool("faulty")];
     for field in sensor.fields() {
@@ -185,7 +208,7 @@ fn sensor_fields(sensor: &Sensor) -> Vec<Field> {
             fields.push(Field::number(format!("{name}.nearest"), unit));
             fields.push(Field::number(format!("{name}.nearest_index"), "1"));
             fields.push(Field::number(format!("{name}.count"), "1"));
-        } else if field.length == 1 && ["seen", "touching"].contains(&name.as_str()) {
+        } else if field.length == 1 && BOOLS.contains(&name.as_str()) {
             fields.push(Field::bool(name));
         } else if field.length == 1 {
             fields.push(Field::number(name, unit));
@@ -217,6 +240,38 @@ pub(super) fn sensor_row(
         }
     }
     row
+}
+
+/// What a group is at: each joint, whether it is on its way, and by how much its last goal was out of reach.
+fn group_fields(group: &JointGroup) -> Vec<Field> {
+    let mut fields = Vec::new();
+    for (joint, is_slide) in group.group.joints.iter().zip(&group.is_slide) {
+        let [position, velocity] = if *is_slide {
+            ["m", "m/s"]
+        } else {
+            ["rad", "rad/s"]
+        };
+        fields.push(Field::number(format!("{joint}.position"), position));
+        fields.push(Field::number(format!("{joint}.velocity"), velocity));
+        fields.push(Field::number(format!("{joint}.reference"), position));
+    }
+    fields.push(Field::bool("moving"));
+    fields.push(Field::number("distance_left", "m"));
+    fields.push(Field::number("angle_left", "rad"));
+    fields
+}
+
+/// What a gripper is at: what it holds, whether that is attached, and with which force.
+fn gripper_fields(kind: &GripperKind, names: Vec<String>) -> Vec<Field> {
+    let mut fields = vec![
+        Field::enumeration("holding", names),
+        Field::bool("attached"),
+        Field::number("force", "N"),
+    ];
+    if matches!(kind, GripperKind::Parallel { .. }) {
+        fields.push(Field::number("width", "m"));
+    }
+    fields
 }
 
 fn controller_fields(description: &Description) -> Vec<Field> {

@@ -104,7 +104,8 @@ impl Run {
         let actuators: Vec<Actuating> = actuators
             .map(|(index, actuator)| {
                 let robot = robot_of(&actuator.robot).unwrap_or(0);
-                Actuating::new(actuator, index, robot, &built, draws)
+                let of = (data, prepared.models.as_ref(), &built);
+                Actuating::new(actuator, index, robot, of, draws)
             })
             .collect();
         let mut pilots = Vec::new();
@@ -243,6 +244,7 @@ impl Run {
         let layout = &self.built.layout;
         self.witness.look(data, layout, self.physics.as_ref());
         self.hold_people();
+        self.hold_attached();
         self.physics.step();
         self.steps += 1;
         self.touches.clear();
@@ -252,6 +254,7 @@ impl Run {
         let data = &self.prepared.data;
         self.witness.feel(data, now_secs, &self.touches);
         self.gather_forces();
+        self.grip();
         if self.steps.is_multiple_of(500) {
             self.check_sound()?;
         }
@@ -276,6 +279,8 @@ impl Run {
             physics: self.physics.as_ref(),
             built: &self.built,
             people: &self.people,
+            data: &self.prepared.data,
+            actuators: &self.actuators,
             touches: &self.touches,
         };
         for (index, sensor) in self.sensors.iter_mut().enumerate() {
@@ -315,6 +320,9 @@ impl Run {
         self.script
             .enact(now_secs, self.draws, &self.known, &mut reach, &mut sent);
         for signal in &sent {
+            for group in self.actuators.iter_mut().filter_map(|it| it.group.as_mut()) {
+                group.begin(signal, now_secs);
+            }
             self.pilots
                 .iter_mut()
                 .for_each(|pilot| pilot.hear(signal, now_secs));
@@ -362,21 +370,24 @@ impl Run {
         self.commands.retain(|(due_secs, actuator, field, value)| {
             if is_due(*due_secs) {
                 changed[*actuator] = true;
-                actuators[*actuator].commanded[*field] = *value;
+                actuators[*actuator].command(*field, *value);
             }
             !is_due(*due_secs)
         });
         let step_secs = self.prepared.data.simulation.time_step_secs;
         for (index, actuator) in self.actuators.iter_mut().enumerate() {
             let is_faulty = actuator.errors.is_faulty(now_secs);
-            if changed[index] || is_faulty != actuator.was_faulty {
+            if changed[index] || actuator.is_told() || is_faulty != actuator.was_faulty {
                 let topic = self.recorder.topics.actuators[index];
                 let mut row = actuator.commanded.clone();
                 row.push(f64::from(u8::from(is_faulty)));
                 self.recorder.row(topic, now_secs, &row, watch)?;
             }
             actuator.was_faulty = is_faulty;
-            actuator.act(self.physics.as_mut(), now_secs, step_secs);
+            let ended = actuator.act(self.physics.as_mut(), now_secs, step_secs);
+            if let Some(trajectory) = ended {
+                self.script.hear(&format!("{trajectory}.done"));
+            }
         }
         Ok(())
     }
@@ -387,6 +398,40 @@ impl Run {
         let parts = people.flat_map(|it| it.compliant.iter().flat_map(Compliant::bodies));
         for body in self.touchers.iter().map(Toucher::body).chain(parts) {
             self.physics.apply(body, [0.0; 3], [0.0; 3]);
+        }
+        for gripper in self
+            .actuators
+            .iter_mut()
+            .filter_map(|it| it.gripper.as_mut())
+        {
+            gripper.let_go(self.physics.as_mut());
+        }
+    }
+
+    /// Grippers hold what is attached to them.
+    fn hold_attached(&mut self) {
+        for gripper in self
+            .actuators
+            .iter_mut()
+            .filter_map(|it| it.gripper.as_mut())
+        {
+            gripper.pull(self.physics.as_mut());
+        }
+    }
+
+    /// Grippers attach what there is to be attached, and let go of what tore off.
+    fn grip(&mut self) {
+        let grippers = || self.actuators.iter().filter_map(|it| it.gripper.as_ref());
+        let mut taken: Vec<usize> = grippers().filter_map(|it| it.taken()).collect();
+        let (data, built) = (&self.prepared.data, &self.built);
+        let physics = self.physics.as_ref();
+        for gripper in self
+            .actuators
+            .iter_mut()
+            .filter_map(|it| it.gripper.as_mut())
+        {
+            gripper.feel(data, built, physics, &self.touches, &taken);
+            taken.extend(gripper.taken());
         }
     }
 
@@ -479,6 +524,18 @@ impl Run {
     }
 }
 
+/// The fields of groups and grippers that a test may set, with their units.
+fn settable(actuator: &super::data::Actuator) -> Vec<String> {
+    use super::data::ActuatorKind;
+    match actuator.kind {
+        ActuatorKind::JointGroup(_) | ActuatorKind::Gripper(_) => {
+            let fields = actuator.fields();
+            fields.iter().map(super::data::key_with_unit).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
 /// What tests may name in this scene.
 pub(super) fn known(
     data: &super::data::SceneData,
@@ -486,11 +543,14 @@ pub(super) fn known(
 ) -> Known {
     let people: Vec<String> = data.people.iter().map(|p| p.name.clone()).collect();
     let events = people.iter().map(|name| format!("{name}.arrived"));
+    let trajectories = || data.trajectories.iter().map(|it| it.name.clone());
+    let ends = trajectories().map(|name| format!("{name}.done"));
     let sends = descriptions.iter().flat_map(|d| d.sends.iter().cloned());
     let receives = descriptions.iter().flat_map(|d| d.receives.iter().cloned());
     Known {
-        sendable: receives.collect(),
-        receivable: sends.chain(events).collect(),
+        sendable: receives.chain(trajectories()).collect(),
+        receivable: sends.chain(events).chain(ends).collect(),
+        fields: data.actuators.iter().map(settable).collect(),
         sensors: data.sensors.iter().map(|s| s.name.clone()).collect(),
         actuators: data.actuators.iter().map(|a| a.name.clone()).collect(),
         people,

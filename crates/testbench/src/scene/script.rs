@@ -35,6 +35,8 @@ pub(super) struct Known {
     pub(super) people: Vec<String>,
     pub(super) sensors: Vec<String>,
     pub(super) actuators: Vec<String>,
+    /// For each actuator the fields that a test may set, with units.
+    pub(super) fields: Vec<Vec<String>>,
 }
 
 /// What a test acts on.
@@ -53,6 +55,7 @@ enum Change {
     Arms(usize, ArmPose),
     Fault(usize, Option<FaultKind>),
     DriveFault(usize, Option<ForcedDriveFault>),
+    Command(usize, usize, f64),
 }
 
 impl Known {
@@ -138,13 +141,40 @@ impl Known {
                     _ => wrong("none, stuck or limp"),
                 }
             }
-            _ => Err(format!(
-                "it sets `{key}` to {value}, which cannot be set; settable are PERSON.activity, PERSON.arms (texts), PERSON.speed_m_s (a number), PERSON.distracted (true or false), SENSOR.fault and ACTUATOR.fault (texts), with the people {}, the sensors {} and the actuators {}",
-                self.people.join(", "),
-                self.sensors.join(", "),
-                self.actuators.join(", ")
-            )),
+            (None, None, field, Setting::Number(number)) if number.is_finite() => {
+                let named = actuator.and_then(|actuator| {
+                    let place = self
+                        .fields
+                        .get(actuator)?
+                        .iter()
+                        .position(|it| it == field)?;
+                    Some(Change::Command(actuator, place, *number))
+                });
+                named.ok_or_else(|| self.unsettable(key, value))
+            }
+            _ => Err(self.unsettable(key, value)),
         }
+    }
+
+    /// What can be set instead.
+    fn unsettable(&self, key: &str, value: &Setting) -> String {
+        let named = self.actuators.iter().zip(&self.fields);
+        let commands: Vec<String> = named
+            .flat_map(|(name, fields)| fields.iter().map(move |field| format!("{name}.{field}")))
+            .collect();
+        let commands = match commands.is_empty() {
+            true => String::new(),
+            false => format!(
+                "; numbers of groups and grippers are {}",
+                commands.join(", ")
+            ),
+        };
+        format!(
+            "it sets `{key}` to {value}, which cannot be set; settable are PERSON.activity, PERSON.arms (texts), PERSON.speed_m_s (a number), PERSON.distracted (true or false), SENSOR.fault and ACTUATOR.fault (texts), with the people {}, the sensors {} and the actuators {}",
+            self.people.join(", "),
+            self.sensors.join(", "),
+            self.actuators.join(", ")
+        ) + &commands
     }
 }
 
@@ -238,6 +268,7 @@ fn make(change: &Change, reach: &mut Reach<'_>) {
         Change::Arms(person, arms) => people[person].hold_arms(arms),
         Change::Fault(sensor, fault) => sensors[sensor].forced = fault,
         Change::DriveFault(actuator, fault) => actuators[actuator].errors.forced = fault,
+        Change::Command(actuator, field, value) => actuators[actuator].command(field, value),
     }
 }
 
@@ -288,7 +319,8 @@ mod tests {
             receivable: ["arrived".to_owned()].into(),
             people: vec!["anna".to_owned()],
             sensors: vec!["lidar".to_owned()],
-            actuators: vec!["drive".to_owned()],
+            actuators: vec!["drive".to_owned(), "hand".to_owned()],
+            fields: vec![Vec::new(), vec!["width_m".to_owned()]],
         };
         let error = |action: Action| known.check(&AbstractTest::new("t", vec![action]));
         assert!(
@@ -324,5 +356,11 @@ mod tests {
         );
         assert!(error(Action::set("drive.fault", "limp")).is_ok());
         assert!(error(Action::set("anna.speed_m_s", 1.5)).is_ok());
+        assert!(error(Action::set("hand.width_m", 0.02)).is_ok());
+        assert!(
+            error(Action::set("hand.width", 0.02))
+                .unwrap_err()
+                .contains("hand.width_m")
+        );
     }
 }

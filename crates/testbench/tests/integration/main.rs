@@ -3,6 +3,8 @@
 mod common;
 mod compliant;
 mod engines;
+mod grippers;
+mod groups;
 mod physics;
 mod physics_actuators;
 mod physics_contact;

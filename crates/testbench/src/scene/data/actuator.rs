@@ -70,7 +70,7 @@ pub(super) fn hundred() -> f64 {
 impl Actuator {
     /// Checks the keys and ranges of noise, bias and faults.
     pub(super) fn check_errors(&self, time_step_secs: f64) -> Result<(), ScenarioError> {
-        let key = |field: &str| key_of("actuator", &self.name, field);
+        let key = |field: &str| key_of(self.list, &self.name, field);
         whole_steps(&key("noise_hz"), 1.0 / self.noise_hz, time_step_secs)?;
         let fields = self.fields();
         let check = |list: &str, errors: &BTreeMap<String, Distribution>, low: f64| {

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use stimulus::Distribution;
 
 use super::actuator::{ActuatorFault, hundred};
+use super::{Gripper, Group, ToolPoint};
 use super::{key_of, number_within, within, zero};
 use crate::bench::ScenarioError;
 use crate::controller::PortField;
@@ -221,9 +222,17 @@ pub struct Actuator {
     /// Faults that may occur.
     #[serde(default, rename = "fault")]
     pub faults: Vec<ActuatorFault>,
+    /// The list of the scene that it stands in, by which its numbers are drawn.
+    #[serde(skip, default = "own_list")]
+    pub(in crate::scene) list: &'static str,
     /// What it drives, and how.
     #[serde(flatten)]
     pub kind: ActuatorKind,
+}
+
+/// The list of actuators.
+fn own_list() -> &'static str {
+    "actuator"
 }
 
 /// What an actuator drives.
@@ -300,9 +309,48 @@ pub enum ActuatorKind {
         /// The largest torque: of a wheel, or about the base's vertical axis.
         torque_limit_nm: f64,
     },
+    /// A group of the scene, not given as an actuator.
+    #[serde(skip)]
+    JointGroup(Box<JointGroup>),
+    /// A gripper of the scene, not given as an actuator.
+    #[serde(skip)]
+    Gripper(Box<Gripper>),
+}
+
+/// A group with what follows from its robot's description.
+#[derive(Debug, Clone)]
+pub struct JointGroup {
+    /// As the scene gives it.
+    pub group: Group,
+    /// Its tool point.
+    pub tool: Option<ToolPoint>,
+    /// Which of its joints are slides.
+    pub is_slide: Vec<bool>,
+    /// The largest torque or force of each joint.
+    pub torque_limit: Vec<f64>,
+    /// The highest speed of each.
+    pub velocity_limit: Vec<f64>,
 }
 
 impl Actuator {
+    /// A group or a gripper, which controllers command as any actuator.
+    pub(super) fn of(
+        (list, name, robot): (&'static str, &str, &str),
+        faults: &[ActuatorFault],
+        kind: ActuatorKind,
+    ) -> Self {
+        Self {
+            name: name.to_owned(),
+            robot: robot.to_owned(),
+            noise: BTreeMap::new(),
+            noise_hz: hundred(),
+            bias: BTreeMap::new(),
+            faults: faults.to_vec(),
+            list,
+            kind,
+        }
+    }
+
     /// The fields of its commands.
     #[must_use]
     pub fn fields(&self) -> Vec<PortField> {
@@ -354,6 +402,8 @@ impl ActuatorKind {
                 .chain(right_joints)
                 .map(String::as_str)
                 .collect(),
+            Self::JointGroup(group) => group.group.joints.iter().map(String::as_str).collect(),
+            Self::Gripper(gripper) => gripper.joints().iter().map(String::as_str).collect(),
             Self::PlanarVelocity { .. } => Vec::new(),
         }
     }
@@ -366,6 +416,7 @@ impl ActuatorKind {
             } => vec![("stiffness", *stiffness), ("limit", *limit)],
             Self::Velocity { gain, limit, .. } => vec![("gain", *gain), ("limit", *limit)],
             Self::Effort { limit, .. } => vec![("limit", *limit)],
+            Self::JointGroup(_) | Self::Gripper(_) => Vec::new(),
             Self::DifferentialDrive {
                 wheel_radius_m,
                 wheel_separation_m,

@@ -11,7 +11,7 @@ use stimulus::Distribution;
 use toml::{Table, Value};
 
 /// Keys of numbers that may be distributions, by list; of `box_m` and `marker_m` each element.
-const DRAWN: [(&str, &[&str]); 3] = [
+const DRAWN: [(&str, &[&str]); 4] = [
     ("object", &["box_m", "radius_m", "length_m"]),
     (
         "actuator",
@@ -45,6 +45,19 @@ const DRAWN: [(&str, &[&str]); 3] = [
             "vertical_view_rad",
             "widest_angle_rad",
             "marker_m",
+        ],
+    ),
+    (
+        "gripper",
+        &[
+            "width_m",
+            "force_limit_newtons",
+            "speed_m_s",
+            "return_stiffness",
+            "tension_limit_newtons",
+            "reach_m",
+            "holding_force_newtons",
+            "friction",
         ],
     ),
 ];
@@ -119,7 +132,7 @@ pub(super) fn allow_in(schema: &mut schemars::Schema) {
 }
 
 /// The types that hold the elements of the lists of [`DRAWN`], in their order.
-const DEFINITIONS: [&str; 3] = ["Object", "Actuator", "Sensor"];
+const DEFINITIONS: [&str; 4] = ["Object", "Actuator", "Sensor", "Gripper"];
 
 /// Changes the properties with these names, wherever they stand in a schema.
 fn allow_below(schema: &mut Json, fields: &[&str]) {

@@ -288,6 +288,17 @@ pub enum SensorKind {
         /// The joints that are measured.
         joints: Vec<String>,
     },
+    /// What a group is at: `moving`, and `distance_left` and `angle_left`, by which its last goal was out of reach.
+    Goal {
+        /// The group.
+        group: String,
+    },
+    /// What a gripper is at: `holding` something, `attached` or not, the `force` by which it is held if it is attached, and the
+    /// `width` of a parallel one.
+    Grip {
+        /// The gripper.
+        gripper: String,
+    },
 }
 
 fn one() -> Distribution {
@@ -374,6 +385,17 @@ impl Sensor {
                 vec![field("force", "N", 3), field("torque", "Nm", 3)]
             }
             SensorKind::JointTorque { joints } => vec![field("effort", "Nm", joints.len())],
+            SensorKind::Goal { .. } => vec![
+                field("moving", "1", 1),
+                field("distance_left", "m", 1),
+                field("angle_left", "rad", 1),
+            ],
+            SensorKind::Grip { .. } => vec![
+                field("holding", "1", 1),
+                field("attached", "1", 1),
+                field("force", "N", 1),
+                field("width", "m", 1),
+            ],
         }
     }
 
@@ -392,6 +414,8 @@ impl Sensor {
             SensorKind::DepthCamera { .. } => "depth_camera",
             SensorKind::ForceTorque { .. } => "force_torque",
             SensorKind::JointTorque { .. } => "joint_torque",
+            SensorKind::Goal { .. } => "goal",
+            SensorKind::Grip { .. } => "grip",
         }
     }
 
@@ -409,7 +433,9 @@ impl Sensor {
             | SensorKind::ForceTorque { link, .. } => link.as_deref(),
             SensorKind::JointEncoder { .. }
             | SensorKind::Odometry { .. }
-            | SensorKind::JointTorque { .. } => None,
+            | SensorKind::JointTorque { .. }
+            | SensorKind::Goal { .. }
+            | SensorKind::Grip { .. } => None,
         }
     }
 
@@ -612,7 +638,9 @@ impl Sensor {
             | SensorKind::Imu { .. }
             | SensorKind::Contact { .. }
             | SensorKind::ForceTorque { .. }
-            | SensorKind::JointTorque { .. } => Ok(()),
+            | SensorKind::JointTorque { .. }
+            | SensorKind::Goal { .. }
+            | SensorKind::Grip { .. } => Ok(()),
         }
     }
 

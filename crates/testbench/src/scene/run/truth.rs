@@ -37,11 +37,14 @@ impl Run {
     pub(super) fn record(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
         let now_secs = self.now_secs();
         let distances = self.distances();
+        let grippers = self.actuators.iter().filter_map(|it| it.gripper.as_ref());
+        let attached: Vec<(&str, &str)> = grippers.filter_map(|it| it.attached()).collect();
         let declared = self.witness.tell(
             &self.prepared.data,
             &self.built.layout,
             self.physics.as_mut(),
             &self.touches,
+            &attached,
         );
         for (index, to_people) in distances.iter().enumerate() {
             let mut row = self.robot_row(index, to_people);
@@ -58,6 +61,7 @@ impl Run {
             let topic = self.recorder.topics.people[index];
             self.recorder.row(topic, now_secs, &row, watch)?;
         }
+        self.record_arms(watch)?;
         let row = [
             self.script.done() as f64,
             f64::from(u8::from(self.script.is_done())),
@@ -82,6 +86,28 @@ impl Run {
         self.forces.fill([0.0; 2]);
         if let Some(viewer) = watch.viewer() {
             self.show(now_secs, viewer);
+        }
+        Ok(())
+    }
+
+    /// Writes down what groups and grippers are at.
+    fn record_arms(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
+        let now_secs = self.now_secs();
+        let physics = self.physics.as_ref();
+        let (data, built) = (&self.prepared.data, &self.built);
+        for (actuator, topic) in self
+            .actuators
+            .iter()
+            .zip(&self.recorder.topics.arms.clone())
+        {
+            let row = match (&actuator.group, &actuator.gripper) {
+                (Some(group), _) => group.row(physics),
+                (None, Some(gripper)) => gripper.row(data, built, physics, &self.touches),
+                (None, None) => continue,
+            };
+            if let Some(topic) = topic {
+                self.recorder.row(*topic, now_secs, &row, watch)?;
+            }
         }
         Ok(())
     }

@@ -252,7 +252,7 @@ pub(super) const PLAIN: [Told<Plain>; 29] = [
         Plain::GraspedBy,
         "",
         Nowhere,
-        "the robot or person two of whose bodies hold it between them; `nobody` otherwise",
+        "the robot or person two of whose bodies hold it between them, or whose gripper it is attached to; `nobody` otherwise",
     ),
     told(
         "centre_height",

@@ -159,6 +159,7 @@ impl Witness {
         layout: &Layout,
         physics: &mut dyn Physics,
         touches: &[Touch],
+        attached: &[(&str, &str)],
     ) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.signals.len());
         for (signal, contact) in self.signals.iter().zip(&self.contact_of) {
@@ -171,7 +172,8 @@ impl Witness {
                     least_distance(physics, &signal.part.shapes, shapes, longest_m)
                 }
                 (Quantity::Plain(Plain::GraspedBy), _) => {
-                    self.holder(data, layout, touches, &signal.part)
+                    let attached = self.attached_to(attached, &signal.part);
+                    attached.unwrap_or_else(|| self.holder(data, layout, touches, &signal.part))
                 }
                 (Quantity::Region(region, quantity), _) => {
                     let view = self.view(data, layout, physics);
@@ -187,6 +189,18 @@ impl Witness {
             contact.forget_seen();
         }
         values
+    }
+
+    /// The robot to which an object is attached, as a place among `nobody` and the holders.
+    fn attached_to(&self, attached: &[(&str, &str)], object: &Part) -> Option<f64> {
+        let (robot, _) = attached.iter().find(|(_, name)| {
+            let thing = self.things.thing(name);
+            thing.is_some_and(|thing| thing.whole().shapes == object.shapes)
+        })?;
+        let things = self.things.list.iter();
+        let mut holders = things.filter(|thing| thing.kind != Kind::Object);
+        let place = holders.position(|thing| thing.name == *robot)?;
+        Some((place + 1) as f64)
     }
 
     /// Who grasps an object now, as a place among `nobody` and the holders.
