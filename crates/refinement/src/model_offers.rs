@@ -4,7 +4,8 @@
 //! For each failure mode: if the model cannot express it, or no command leads to it, and it was counted, a branch
 //! ([`ModelChange::Branch`]). Else,
 //! if its rate is farther than the declared margin from the counts that it may be set to ([`anchors`], the first of them), or
-//! their exact binomial p-value is below the study's level divided by the number of failure modes: the constant set to the counted share or, where
+//! their exact binomial p-value is below the study's level, divided by the number of failure modes where no other evidence
+//! disagrees strongly with the rate: the constant set to the counted share or, where
 //! that does not give the rate, solved for; or, if it has the share already, the draw made once, else solved for. Then the
 //! same for requirements that this leaves in disagreement ([`crate::requirement_rates`]).
 
@@ -13,7 +14,7 @@ use crate::model_change::{
     Changed, ModelChange, SAME, Solver, Values, comes_to, is_set_to, once_or_solve, rate_of,
     rate_or_solve,
 };
-use evidence::{Comparison, Evidence, FailureMode, Requirement, Subject};
+use evidence::{Comparison, Evidence, FailureMode, Requirement, STRONG, Subject};
 
 /// A study's evidence, and what it declares.
 #[derive(Clone, Copy, Debug)]
@@ -134,17 +135,23 @@ impl Ground<'_> {
             }));
         };
         let counts = counted.into_iter().next()?;
-        let is_wanted = self.differs(&mode, rate, &counts);
+        let is_wanted = self.differs(target, rate, &counts, &mode);
         is_wanted.then(|| rate_or_once(model.text, mode, occurs, counts))
     }
 
     /// Whether a rate is not what was counted: farther than the margin, or beyond chance, by which each failure mode may be the
     /// one that differs.
-    fn differs(&self, mode: &str, rate: f64, counts: &Counts) -> bool {
+    fn differs(&self, own: &Evidence, rate: f64, counts: &Counts, mode: &str) -> bool {
+        let subject = Subject::FailureMode(mode.to_owned());
+        let is_disputed = self.strongest(own, &subject, Some(rate)) > STRONG;
         let margin = self.failure_modes.iter().find(|m| m.id == mode);
         let margin = margin.map_or(0.0, |m| m.margin);
         let distance = (rate - counts.rate()).abs();
-        let level = (1.0 - self.confidence) / self.failure_modes.len().max(1) as f64;
+        let tests = match is_disputed {
+            true => 1,
+            false => self.failure_modes.len().max(1),
+        };
+        let level = (1.0 - self.confidence) / tests as f64;
         let is_unlikely = counts.p_value(rate).is_some_and(|p| p < level);
         distance > SAME && (distance > margin || is_unlikely)
     }
