@@ -20,7 +20,8 @@
 //!   otherwise fails somehow; likewise an edit of a duration, if requirements with a limit of time disagree and nothing else;
 //! * [`SAID`], if something else in the study says this very value (the limit of the other form, a duration in the text, a
 //!   unit in a field's name), [`FREE`], if only a place is free for it (a column or a state that no proposition names);
-//! * less the decades of the number of edits that were tried.
+//! * less the decades of the number of edits that were tried and change how any two pieces agree: the others say the same as
+//!   no edit, and cannot explain anything by chance.
 //!
 //! Odds of edits of one place add up: whichever of its values is meant, the place is wrong. Numbers of one place that
 //! explain the same are a limit that plays no part any more, and explain nothing.
@@ -93,7 +94,7 @@ impl Diagnosing<'_> {
         let scratch = Scratch::new(self.study, self.folder)?;
         let now = self.models_now()?;
         let mut found: Vec<Explained> = Vec::new();
-        let mut tried = 0_u32;
+        let (mut tried, mut telling) = (0_u32, 0_u32);
         let strong = before.iter().filter(|(_, apart)| **apart > STRONG);
         let strong: BTreeSet<&Subject> = strong.map(|((.., subject), _)| subject).collect();
         for edit in candidates(self.study, &|subject| strong.contains(subject))? {
@@ -106,6 +107,7 @@ impl Diagnosing<'_> {
             if let Ok(evidence) = after {
                 tried += 1;
                 let after = self.disagreements(&evidence);
+                telling += u32::from(after != before);
                 let is_timed = |subject: &Subject| {
                     let form = self.study.forms.of(subject);
                     form.is_some_and(|form| limits::is_timed(self.study, form))
@@ -120,7 +122,8 @@ impl Diagnosing<'_> {
             }
         }
         gathered.in_order.push(format!(
-            "{tried} single edits of vocabulary, forms and units were tried on all evidence; {} explain what disagrees",
+            "{tried} single edits of vocabulary, forms and units were tried on all evidence; {telling} change how pieces agree, {} explain \
+             what disagrees",
             found.len()
         ));
         for it in &mut found {
@@ -129,7 +132,7 @@ impl Diagnosing<'_> {
                 (Some(_), false) => FREE,
                 (None, _) => 0.0,
             };
-            it.prior = hint - f64::from(tried.max(1)).log10();
+            it.prior = hint - f64::from(telling.max(1)).log10();
         }
         drop_limits_that_play_no_part(&mut found);
         for place in 0..found.len() {
@@ -394,6 +397,7 @@ impl Diagnosing<'_> {
                     all.join("; ")
                 ),
             };
+            let new = edit.new_in_words();
             Clue {
                 inaccuracy: match edit.kind {
                     SuspectKind::TimeScale => Inaccuracy::SystemModel,
@@ -409,14 +413,10 @@ impl Diagnosing<'_> {
                 },
                 subject: subject.clone(),
                 score: whole * it.share(),
-                title: format!(
-                    "`{}` in place of `{}` explains a conflict",
-                    edit.new, edit.old
-                ),
+                title: format!("`{new}` in place of `{}` explains a conflict", edit.old),
                 explanation: format!(
-                    "With `{}` in place of `{}` {} agree on {} (a Bayes factor of 10^{whole:.1} goes away), and little else comes to \
+                    "With `{new}` in place of `{}` {} agree on {} (a Bayes factor of 10^{whole:.1} goes away), and little else comes to \
                      disagree; of {tried} single edits that were tried.{hint}{hides}",
-                    edit.new,
                     edit.old,
                     words.join(", "),
                     subject.in_words()

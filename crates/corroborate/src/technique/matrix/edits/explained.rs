@@ -171,6 +171,6 @@ impl Explained {
 
     pub(super) fn in_words(&self) -> String {
         let edit = &self.edit;
-        format!("{} ({}: `{}`)", edit.file, edit.part, edit.new)
+        format!("{} ({}: `{}`)", edit.file, edit.part, edit.new_in_words())
     }
 }
