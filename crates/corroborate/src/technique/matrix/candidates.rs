@@ -173,6 +173,12 @@ pub(super) fn candidates(
     Ok(found)
 }
 
+/// Whether a subject's sentence, or a predicate that its monitor reads, names a parameter.
+pub(super) fn reads_parameters(study: &Study, form: &SubjectForm) -> bool {
+    let mut names = study.parameters.declared.keys();
+    names.any(|name| quantities::is_reader(study, form, name))
+}
+
 /// An edit of a proposition's binding.
 fn binding(
     (proposition, key): (&str, &str),

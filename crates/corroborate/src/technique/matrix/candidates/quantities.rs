@@ -137,15 +137,19 @@ pub(super) fn add(edit: TextEdit, found: &mut Vec<TextEdit>) {
 
 /// The requirements and failure modes that read a parameter.
 fn readers<'s>(study: &'s Study, name: &'s str) -> impl Iterator<Item = &'s SubjectForm> {
-    study.forms.subjects.iter().filter(move |form| {
-        let propositions = of_monitor(form).into_iter();
-        let bindings = propositions.filter_map(|it| {
-            let found = study.vocabulary.propositions.get(&it)?;
-            Some(found.trace.as_ref()?.text.clone())
-        });
-        let mut texts = bindings.chain(said_texts(study, &form.subject));
-        texts.any(|text| has_word(&text, name))
-    })
+    let forms = study.forms.subjects.iter();
+    forms.filter(move |form| is_reader(study, form, name))
+}
+
+/// Whether a subject's text or sentence, or a predicate that its monitor reads, names a parameter.
+pub(super) fn is_reader(study: &Study, form: &SubjectForm, name: &str) -> bool {
+    let propositions = of_monitor(form).into_iter();
+    let bindings = propositions.filter_map(|it| {
+        let found = study.vocabulary.propositions.get(&it)?;
+        Some(found.trace.as_ref()?.text.clone())
+    });
+    let mut texts = bindings.chain(said_texts(study, &form.subject));
+    texts.any(|text| has_word(&text, name))
 }
 
 fn has_word(text: &str, name: &str) -> bool {
