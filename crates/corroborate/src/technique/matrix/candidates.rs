@@ -14,6 +14,7 @@
 //! | a bare number in a `trace` binding has another value | a number that the requirement's text says or the `model` of the same proposition, or a slip by a factor |
 //! | a comparison in a `trace` binding is the other way round | nothing but that it can be |
 //! | a clause of a `trace` or `model` binding is negated, joined or compared otherwise, or left out (`clauses`) | nothing but that it can be |
+//! | a hand-written `property` or `formula` is negated or joined otherwise (`formulas`) | nothing but that it can be |
 //! | a `model` binding has a further case | a state that the model comes to and no proposition names |
 //! | a signal in a `trace` binding is another | a signal of topics.toml that no proposition reads, and that the same can be said of |
 //! | a proposition in a sentence is another | the requirement's text has its name, or nothing else reads it |
@@ -30,6 +31,7 @@
 //! None: a candidate is an idea. It is accepted only by what it does to all the evidence (`edits`).
 
 mod clauses;
+mod formulas;
 pub(super) mod limits;
 mod quantities;
 mod scales;
@@ -84,6 +86,21 @@ pub(super) struct TextEdit {
 }
 
 impl TextEdit {
+    /// The edit of all runs that changes nothing.
+    pub(super) fn none() -> Self {
+        Self {
+            file: VOCABULARY,
+            span: 0..0,
+            old: String::new(),
+            new: String::new(),
+            kind: SuspectKind::Vocabulary,
+            part: String::new(),
+            reach: Reach::Runs,
+            hint: None,
+            is_said: false,
+        }
+    }
+
     /// Whether another edit changes the same value.
     pub(super) fn is_of_place(&self, other: &Self) -> bool {
         (self.file, &self.span) == (other.file, &other.span)
@@ -141,6 +158,7 @@ pub(super) fn candidates(
     found.extend(quantities::in_bindings(study, disagrees));
     found.extend(quantities::parameters(study, disagrees));
     found.extend(clauses::of_vocabulary(study, disagrees));
+    found.extend(formulas::of_forms(study, disagrees));
     found.extend(sentences::of_requirements(study, disagrees));
     found.extend(times::of_step(study));
     found.extend(times::of_missions(study));

@@ -32,8 +32,8 @@
 //! predicts is computed, not fitted. [`explained::STRUCTURE`], [`SAID`] and [`FREE`] are prior odds, which nothing here estimates.
 //!
 //! # Cost
-//! For each edit the models solved, the tables read or at most [`MOST_RUNS`] recordings judged again; only where there is
-//! strong disagreement.
+//! For each edit the models solved, the tables read or recordings judged again: at most [`FEW_RUNS`] of each piece, and at most
+//! [`MOST_RUNS`] where these do not show that it mends nothing; only where there is strong disagreement.
 
 mod explained;
 mod scratch;
@@ -69,6 +69,9 @@ const FREE: f64 = 1.0;
 /// Recordings of one piece of evidence that are judged again, at most.
 const MOST_RUNS: usize = 400;
 
+/// Recordings of one piece by which an edit is dropped that leaves all strong disagreement as it is.
+const FEW_RUNS: usize = 60;
+
 /// Strengths that differ by less explain as much.
 const AS_MUCH: f64 = 0.5;
 
@@ -84,6 +87,14 @@ type Values = BTreeMap<Subject, Option<f64>>;
 /// What the models answer, by their files.
 type ModelValues = BTreeMap<PathBuf, Values>;
 
+/// What an edit does to the evidence.
+enum After {
+    /// It mends nothing by a few runs; whether it changes how pieces agree.
+    Little { is_telling: bool },
+    /// All evidence as it is then.
+    All(Vec<Evidence>),
+}
+
 impl Diagnosing<'_> {
     /// Looks for single edits that explain strong disagreement.
     pub(super) fn edits(&self, gathered: &mut Gathered) -> Result<(), Problem> {
@@ -97,30 +108,83 @@ impl Diagnosing<'_> {
         let (mut tried, mut telling) = (0_u32, 0_u32);
         let strong = before.iter().filter(|(_, apart)| **apart > STRONG);
         let strong: BTreeSet<&Subject> = strong.map(|((.., subject), _)| subject).collect();
+        let few = self.few_as_they_are(&scratch, &now);
         for edit in candidates(self.study, &|subject| strong.contains(subject))? {
             self.setting.go_on()?;
             // An edit with which the study cannot be read is none.
             let after = scratch
                 .with(&edit)
-                .and_then(|study| self.produced_with(&study, &scratch, &edit, &now));
+                .and_then(|study| self.after(&study, &scratch, (&edit, &now), (&strong, &few)));
             self.setting.go_on()?;
-            if let Ok(evidence) = after {
-                tried += 1;
-                let after = self.disagreements(&evidence);
-                telling += u32::from(after != before);
-                let is_timed = |subject: &Subject| {
-                    let form = self.study.forms.of(subject);
-                    form.is_some_and(|form| limits::is_timed(self.study, form))
-                };
-                let is_said = edit.is_said;
-                let explained = explained(edit, &before, &after, &is_timed);
-                let explained = explained.filter(|it| is_said || !it.is_constant(&evidence));
-                found.extend(explained.map(|it| Explained {
-                    hides: self.hidden_by(&evidence),
-                    ..it
-                }));
+            let Ok(after) = after else { continue };
+            tried += 1;
+            let evidence = match after {
+                After::Little { is_telling } => {
+                    telling += u32::from(is_telling);
+                    continue;
+                }
+                After::All(evidence) => evidence,
+            };
+            let after = self.disagreements(&evidence);
+            telling += u32::from(after != before);
+            let is_timed = |subject: &Subject| {
+                let form = self.study.forms.of(subject);
+                form.is_some_and(|form| limits::is_timed(self.study, form))
+            };
+            let is_said = edit.is_said;
+            let explained = explained(edit, &before, &after, &is_timed);
+            let explained = explained.filter(|it| is_said || !it.is_constant(&evidence));
+            found.extend(explained.map(|it| Explained {
+                hides: self.hidden_by(&evidence),
+                ..it
+            }));
+        }
+        self.named(gathered, found, &before, [tried, telling]);
+        Ok(())
+    }
+
+    /// How strongly the pieces disagree by a few runs of each, as the study is; nothing if these cannot be judged.
+    fn few_as_they_are(&self, scratch: &Scratch, now: &ModelValues) -> Pairs {
+        let nothing = TextEdit::none();
+        let evidence = scratch
+            .with(&nothing)
+            .and_then(|study| self.produced_with(&study, scratch, (&nothing, now), FEW_RUNS));
+        evidence.map_or_else(|_| Pairs::new(), |it| self.disagreements(&it))
+    }
+
+    /// What an edit does. Where runs are judged again, a few of them first: what is still in strong disagreement by these will
+    /// be so by all.
+    fn after(
+        &self,
+        study: &Study,
+        scratch: &Scratch,
+        edit: (&TextEdit, &ModelValues),
+        (strong, few): (&BTreeSet<&Subject>, &Pairs),
+    ) -> Result<After, Problem> {
+        if matches!(edit.0.reach, Reach::Runs | Reach::All) {
+            let after = self.produced_with(study, scratch, edit, FEW_RUNS)?;
+            let after = self.disagreements(&after);
+            let is_mended = |subject: &&Subject| {
+                let mut own = after.iter().filter(|((.., it), _)| it == *subject);
+                own.all(|(_, apart)| *apart <= STRONG)
+            };
+            if !strong.iter().any(is_mended) {
+                let is_telling = &after != few;
+                return Ok(After::Little { is_telling });
             }
         }
+        let all = self.produced_with(study, scratch, edit, MOST_RUNS)?;
+        Ok(After::All(all))
+    }
+
+    /// Clues against what the edits that explain most would change.
+    fn named(
+        &self,
+        gathered: &mut Gathered,
+        mut found: Vec<Explained>,
+        before: &Pairs,
+        [tried, telling]: [u32; 2],
+    ) {
         gathered.in_order.push(format!(
             "{tried} single edits of vocabulary, forms and units were tried on all evidence; {telling} change how pieces agree, {} explain \
              what disagrees",
@@ -142,7 +206,7 @@ impl Diagnosing<'_> {
         }
         found.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
         let best = found.first().map_or(0.0, Explained::weight);
-        let rival = self.exchange(&before);
+        let rival = self.exchange(before);
         if let Some(rival) = rival {
             let odds = |it: &Explained| 10.0_f64.powf(it.weight() - rival);
             found
@@ -158,7 +222,6 @@ impl Diagnosing<'_> {
             let others: Vec<String> = others.map(|(_, place)| place.clone()).collect();
             gathered.clues.extend(self.clues_of(it, &others, tried));
         }
-        Ok(())
     }
 
     /// What is explained, as by an edit, if what a table has the wrong way round is exchanged; the most of all tables.
@@ -213,8 +276,8 @@ impl Diagnosing<'_> {
         &self,
         study: &Study,
         scratch: &Scratch,
-        edit: &TextEdit,
-        now: &ModelValues,
+        (edit, now): (&TextEdit, &ModelValues),
+        most: usize,
     ) -> Result<Vec<Evidence>, Problem> {
         let mut evidence = self.result.evidence.clone();
         for piece in &mut evidence {
@@ -240,7 +303,7 @@ impl Diagnosing<'_> {
                     let Some(folder) = recordings.or(simulated) else {
                         continue;
                     };
-                    self.verdicts(study, scratch, &folder)?
+                    self.verdicts(study, scratch, &folder, most)?
                 }
             };
             let known = findings.into_iter();
@@ -320,6 +383,7 @@ impl Diagnosing<'_> {
         study: &Study,
         scratch: &Scratch,
         folder: &Path,
+        most: usize,
     ) -> Result<Vec<Finding>, Problem> {
         let Ok(found) = recording::trials(folder) else {
             return Ok(Vec::new());
@@ -327,7 +391,7 @@ impl Diagnosing<'_> {
         if found.trials.is_empty() {
             return Ok(Vec::new());
         }
-        let trials = super::events::evenly(found.trials, MOST_RUNS);
+        let trials = super::events::evenly(found.trials, most);
         let rules = ReadingRules::of_study(&scratch.folder, None)?;
         let judges = Judges::new(study, |_| true)?;
         let go_on = || self.setting.go_on();
