@@ -149,6 +149,8 @@ pub(super) fn candidates(
     disagrees: &dyn Fn(&Subject) -> bool,
 ) -> Result<Vec<TextEdit>, Problem> {
     let mut found = columns(study)?;
+    // A further case before another one in its place: of edits that explain as much, the first is named first.
+    found.extend(clauses::of_vocabulary(study, disagrees));
     found.extend(model_bindings(study)?);
     for form in &study.forms.subjects {
         found.extend(other_words(study, form));
@@ -157,7 +159,6 @@ pub(super) fn candidates(
     found.extend(topics::quantities(study));
     found.extend(quantities::in_bindings(study, disagrees));
     found.extend(quantities::parameters(study, disagrees));
-    found.extend(clauses::of_vocabulary(study, disagrees));
     found.extend(formulas::of_forms(study, disagrees));
     found.extend(sentences::of_requirements(study, disagrees));
     found.extend(times::of_step(study));

@@ -16,6 +16,8 @@
 //!
 //! * how well all agree on what it explains: the evidence for one rate, of each subject that of its weakest pair. Rates
 //!   that are free agree with anything, and say nothing;
+//! * [`explained::COINCIDENCE`] for each piece beyond the first that would have to be wrong, at the least, for the same pairs to
+//!   disagree: two pieces that are read through one wrong word do so at once, and two errors that are alike are rarer than one;
 //! * [`explained::STRUCTURE`], if it explains a requirement without a limit of time, and no failure mode disagrees: a system that fails
 //!   otherwise fails somehow; likewise an edit of a duration, if requirements with a limit of time disagree and nothing else;
 //! * [`SAID`], if something else in the study says this very value (the limit of the other form, a duration in the text, a
@@ -29,7 +31,7 @@
 //! # Source and guarantee
 //! The method of difference (J. S. Mill, 1843), and Bayes factors with the correction for the number of hypotheses of equal
 //! prior probability (H. Jeffreys, "Theory of Probability", 1961, section 5.04). An edit has no free parameter: what it
-//! predicts is computed, not fitted. [`explained::STRUCTURE`], [`SAID`] and [`FREE`] are prior odds, which nothing here estimates.
+//! predicts is computed, not fitted. [`explained::COINCIDENCE`], [`explained::STRUCTURE`], [`SAID`] and [`FREE`] are prior odds, which nothing here estimates.
 //!
 //! # Cost
 //! For each edit the models solved, the tables read or recordings judged again: at most [`FEW_RUNS`] of each piece, and at most
@@ -71,6 +73,9 @@ const MOST_RUNS: usize = 400;
 
 /// Recordings of one piece by which an edit is dropped that leaves all strong disagreement as it is.
 const FEW_RUNS: usize = 60;
+
+/// Disagreement by these few that all runs will hardly take away.
+const FEW_STRONG: f64 = 3.0 * STRONG;
 
 /// Strengths that differ by less explain as much.
 const AS_MUCH: f64 = 0.5;
@@ -152,7 +157,7 @@ impl Diagnosing<'_> {
         evidence.map_or_else(|_| Pairs::new(), |it| self.disagreements(&it))
     }
 
-    /// What an edit does. Where runs are judged again, a few of them first: what is still in strong disagreement by these will
+    /// What an edit does. Where runs are judged again, a few of them first: what these show to be in strong disagreement will
     /// be so by all.
     fn after(
         &self,
@@ -166,7 +171,7 @@ impl Diagnosing<'_> {
             let after = self.disagreements(&after);
             let is_mended = |subject: &&Subject| {
                 let mut own = after.iter().filter(|((.., it), _)| it == *subject);
-                own.all(|(_, apart)| *apart <= STRONG)
+                own.all(|(_, apart)| *apart <= FEW_STRONG)
             };
             if !strong.iter().any(is_mended) {
                 let is_telling = &after != few;
