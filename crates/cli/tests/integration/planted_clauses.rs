@@ -291,7 +291,7 @@ fn recordings_are_named_by_their_folder_with_the_words_that_they_are_read_throug
         serde_json::json!(["vocabulary.toml", "topics.toml"])
     );
     assert!(
-        text.contains("the words that they share are not ruled out"),
+        text.contains("witness: corroborate monitor . ./recordings/"),
         "{text}"
     );
 }

@@ -396,7 +396,7 @@ impl Diagnosing<'_> {
         if found.trials.is_empty() {
             return Ok(Vec::new());
         }
-        let trials = super::events::evenly(found.trials, most);
+        let trials = spread(found.trials, most);
         let rules = ReadingRules::of_study(&scratch.folder, None)?;
         let judges = Judges::new(study, |_| true)?;
         let go_on = || self.setting.go_on();
@@ -517,6 +517,22 @@ impl Diagnosing<'_> {
     }
 }
 
+/// At most so many of a list, in its order, from all over it and with no period: what alternates in the list is not met by
+/// steps of its own length. All multiples of the golden ratio lie evenly between whole numbers.
+fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
+    const GOLDEN: f64 = 0.618_033_988_749_895;
+    if all.len() <= most {
+        return all;
+    }
+    let rank = |place: usize| (place as f64 * GOLDEN).fract();
+    let mut ranks: Vec<f64> = (0..all.len()).map(rank).collect();
+    ranks.sort_by(f64::total_cmp);
+    let limit = ranks.get(most).copied().unwrap_or(1.0);
+    let all = all.into_iter().enumerate();
+    let kept = all.filter(|(place, _)| rank(*place) < limit);
+    kept.map(|(_, it)| it).collect()
+}
+
 /// A model's findings with other answers; what it did not answer by its plain values before stays as it is.
 fn answers(now: Option<&Values>, then: &Values, known: &[Finding]) -> Vec<Finding> {
     let changed = known.iter().filter_map(|finding| {
@@ -542,4 +558,24 @@ fn evidence_of(pairs: &[[String; 2]]) -> Vec<String> {
     all.sort();
     all.dedup();
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn a_few_of_a_list_have_no_period() {
+        let few = spread((0..200_usize).collect(), 60);
+        assert_eq!(few.len(), 60);
+        for period in [2, 3, 5, 10] {
+            let share = few.iter().filter(|it| *it % period == 0).count();
+            let expected = 60 / period;
+            assert!(
+                share.abs_diff(expected) <= 3,
+                "{share} of 60 are multiples of {period}"
+            );
+        }
+        assert_eq!(spread(vec![1, 2], 60), [1, 2]);
+    }
 }
