@@ -115,6 +115,11 @@ impl TextEdit {
         }
     }
 
+    /// Whether what suggests it says no more than that it is free.
+    pub(super) fn is_free(&self) -> bool {
+        self.hint.is_some() && !self.is_said
+    }
+
     /// What would stand there, on one line.
     pub(super) fn new_in_words(&self) -> String {
         self.new.replace('\n', ", ")

@@ -21,7 +21,8 @@
 //! * [`explained::STRUCTURE`], if it explains a requirement without a limit of time, and no failure mode disagrees: a system that fails
 //!   otherwise fails somehow; likewise an edit of a duration, if requirements with a limit of time disagree and nothing else;
 //! * [`SAID`], if something else in the study says this very value (the limit of the other form, a duration in the text, a
-//!   unit in a field's name), [`FREE`], if only a place is free for it (a column or a state that no proposition names);
+//!   unit in a field's name), [`FREE`], shared among all that are free for one place, if only a place
+//!   is free for it (a column or a state that no proposition names);
 //! * less the decades of the number of edits that were tried and change how any two pieces agree: the others say the same as
 //!   no edit, and cannot explain anything by chance.
 //!
@@ -114,7 +115,9 @@ impl Diagnosing<'_> {
         let strong = before.iter().filter(|(_, apart)| **apart > STRONG);
         let strong: BTreeSet<&Subject> = strong.map(|((.., subject), _)| subject).collect();
         let few = self.few_as_they_are(&scratch, &now);
-        for edit in candidates(self.study, &|subject| strong.contains(subject))? {
+        let all = candidates(self.study, &|subject| strong.contains(subject))?;
+        let free: Vec<TextEdit> = all.iter().filter(|it| it.is_free()).cloned().collect();
+        for edit in all {
             self.setting.go_on()?;
             // An edit with which the study cannot be read is none.
             let after = scratch
@@ -143,6 +146,17 @@ impl Diagnosing<'_> {
                 hides: self.hidden_by(&evidence),
                 ..it
             }));
+        }
+        for it in &mut found {
+            let hint = match (&it.edit.hint, it.edit.is_said) {
+                (Some(_), true) => SAID,
+                (Some(_), false) => {
+                    let of_place = free.iter().filter(|other| other.is_of_place(&it.edit));
+                    FREE - (of_place.count().max(1) as f64).log10()
+                }
+                (None, _) => 0.0,
+            };
+            it.prior = hint - f64::from(telling.max(1)).log10();
         }
         self.named(gathered, found, &before, [tried, telling]);
         Ok(())
@@ -195,14 +209,6 @@ impl Diagnosing<'_> {
              what disagrees",
             found.len()
         ));
-        for it in &mut found {
-            let hint = match (&it.edit.hint, it.edit.is_said) {
-                (Some(_), true) => SAID,
-                (Some(_), false) => FREE,
-                (None, _) => 0.0,
-            };
-            it.prior = hint - f64::from(telling.max(1)).log10();
-        }
         drop_limits_that_play_no_part(&mut found);
         for place in 0..found.len() {
             let edit = &found[place].edit;
