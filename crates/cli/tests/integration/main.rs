@@ -32,6 +32,7 @@ mod licences;
 mod limits_of_time;
 mod one_person;
 mod persistent_command;
+mod planted_clauses;
 mod planted_values;
 mod rare;
 mod recordings;

@@ -201,7 +201,10 @@ fn of_values(study: &Study, suspect: &Suspect, offered: &mut Offered) -> Result<
         }
         known.push(value.clone());
         let part = suspect.asset.part.as_deref().unwrap_or("it");
-        let title = format!("{part}: `{instead}` in place of `{found}`");
+        let title = format!(
+            "{part}: `{}` in place of `{found}`",
+            instead.replace('\n', ", ")
+        );
         let note = "This decides what a word, a form or a number of the study means; that it makes the evidence agree \
                     does not show that it is right.";
         match value.make(&source.text) {

@@ -11,6 +11,9 @@ use crate::{
 };
 use crate::{Finding, Measure};
 
+/// Files of data of one piece that are named one by one, at most.
+const MOST_NAMED: usize = 8;
+
 /// What suspects are found in.
 #[derive(Clone, Copy, Debug)]
 pub struct Matter<'a> {
@@ -245,8 +248,21 @@ impl<'a> Matter<'a> {
             Rerun::None => format!("corroborate run {study} --only {}", piece.id),
             Rerun::Episode => format!("corroborate replay {study} {}:{number}", piece.id),
             Rerun::Recording | Rerun::RecordingIfKept => {
-                format!("corroborate monitor {study} {run}")
+                format!("corroborate monitor {study} {}", self.recording(piece, run))
             }
+        }
+    }
+
+    /// Where a recording lies, for a command: within the study, if a file of the piece ends so and no other does.
+    fn recording(&self, piece: &Evidence, run: &str) -> String {
+        let assets = piece.assets.iter().filter(|it| it.role == AssetRole::Data);
+        let mut found = assets.filter(|it| {
+            let rest = it.path.strip_suffix(run);
+            rest.is_some_and(|rest| rest.is_empty() || rest.ends_with('/'))
+        });
+        match (found.next(), found.next()) {
+            (Some(asset), None) => format!("{}/{}", self.study, asset.path),
+            _ => run.to_owned(),
         }
     }
 
@@ -270,6 +286,7 @@ impl<'a> Matter<'a> {
             None => whole,
             Some(table) => SuspectAsset {
                 file: Some(table.file.clone()),
+                part: None,
                 together: whole
                     .file
                     .into_iter()
@@ -318,7 +335,8 @@ pub(super) fn is_by_subject(finding: &Finding) -> bool {
 
 /// The system model on which a piece of evidence rests. What was shown is that the piece differs, not which of its files
 /// is the reason: one is named, all others beside it. Named is the last of the files that say how the system behaves,
-/// since parameters follow their scenario; descriptions and shapes of bodies, which other programs made, come last.
+/// since parameters follow their scenario; descriptions and shapes of bodies, which other programs made, come last. Of many
+/// recordings their folder is named, with how many they are.
 pub fn system_model(piece: &Evidence) -> SuspectAsset {
     let (kind, role) = match (piece.technique.witness_of(), piece.published) {
         (WitnessOf::Model, _) => (SuspectKind::FormalModel, AssetRole::SystemModel),
@@ -330,6 +348,16 @@ pub fn system_model(piece: &Evidence) -> SuspectAsset {
     };
     let files = piece.assets.iter().filter(|a| a.role == role);
     let files: Vec<&String> = files.map(|asset| &asset.path).collect();
+    if let (SuspectKind::Data, Some(folder)) = (kind, folder_of(&files)) {
+        return SuspectAsset {
+            kind,
+            file: Some(folder),
+            part: Some(format!("{} files", files.len())),
+            evidence: vec![piece.id.clone()],
+            together: Vec::new(),
+            line: None,
+        };
+    }
     let behaviour = files.iter().rposition(|file| !is_description(file));
     let named = behaviour.or(files.len().checked_sub(1));
     let together = files
@@ -344,6 +372,14 @@ pub fn system_model(piece: &Evidence) -> SuspectAsset {
         together: together.map(|(_, file)| (*file).clone()).collect(),
         line: None,
     }
+}
+
+/// The folder, with `/`, that more files lie in than a reader looks through one by one, if all lie in it.
+fn folder_of(files: &[&String]) -> Option<String> {
+    let (folder, _) = files.first()?.rsplit_once('/')?;
+    let folder = format!("{folder}/");
+    let is_in = |file: &&String| file.starts_with(&folder);
+    (files.len() > MOST_NAMED && files.iter().all(is_in)).then_some(folder)
 }
 
 /// Whether a file describes bodies: their links, joints and shapes.

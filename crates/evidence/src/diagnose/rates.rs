@@ -436,7 +436,7 @@ impl<'a> Matter<'a> {
         });
         match (cell, differing) {
             (Some(cell), 0) => vec![format!(
-                "the requirement models: on {} runs of {} all forms agree",
+                "the forms of the requirement: on {} runs of {} all agree; the words that they share are not ruled out",
                 cell.runs, piece.id
             )],
             _ => Vec::new(),

@@ -11,12 +11,18 @@
 //! | a `trace` binding `signal == 'value'` names another value | a value of the signal that no proposition names, where it has the proposition's name, or where two propositions read the same predicate |
 //! | a quantity in a `trace` binding has another unit | another unit of the dimension |
 //! | a parameter that a formula reads, or a number in a `trace` binding, has another value | a quantity that the requirement's text says, another unit of the dimension, or a slip by a factor |
+//! | a bare number in a `trace` binding has another value | a number that the requirement's text says or the `model` of the same proposition, or a slip by a factor |
 //! | a comparison in a `trace` binding is the other way round | nothing but that it can be |
+//! | a clause of a `trace` or `model` binding is negated, joined or compared otherwise, or left out (`clauses`) | nothing but that it can be |
+//! | a hand-written `property` or `formula` is negated or joined otherwise (`formulas`) | nothing but that it can be |
+//! | a `model` binding has a further case | a state that the model comes to and no proposition names |
+//! | a signal in a `trace` binding is another | a signal of topics.toml that no proposition reads, and that the same can be said of |
+//! | a proposition in a sentence is another | the requirement's text has its name, or nothing else reads it |
 //! | a hand-written `property`, or what a `monitor` waits for, names another proposition | the proposition that the other forms of the same requirement name |
 //! | a limit `within_secs`, or one in a hand-written `property` | a duration in the requirement's own text or sentence, or the limit of its other form, or a slip by a factor |
 //! | the `step` of study.toml, the `mission_time` of a fault tree | a slip by a factor, or a duration that a requirement says |
 //! | the `unit` of a signal | the unit that the field's own name ends with, or another unit of the dimension where it ends with none |
-//! | the `scale` of a signal | a slip by a factor, the sign, or radians for degrees |
+//! | the `scale` or the `offset` of a signal | that of a signal whose field ends alike, a slip by a factor, the sign, or what usual units are of each other (`scales`) |
 //!
 //! A free column, value or signal is tried for every proposition; by itself it suggests nothing, since a model may well
 //! have states that no proposition names.
@@ -24,8 +30,12 @@
 //! # Guarantee
 //! None: a candidate is an idea. It is accepted only by what it does to all the evidence (`edits`).
 
+mod clauses;
+mod formulas;
 pub(super) mod limits;
 mod quantities;
+mod scales;
+mod sentences;
 mod times;
 mod topics;
 
@@ -76,6 +86,21 @@ pub(super) struct TextEdit {
 }
 
 impl TextEdit {
+    /// The edit of all runs that changes nothing.
+    pub(super) fn none() -> Self {
+        Self {
+            file: VOCABULARY,
+            span: 0..0,
+            old: String::new(),
+            new: String::new(),
+            kind: SuspectKind::Vocabulary,
+            part: String::new(),
+            reach: Reach::Runs,
+            hint: None,
+            is_said: false,
+        }
+    }
+
     /// Whether another edit changes the same value.
     pub(super) fn is_of_place(&self, other: &Self) -> bool {
         (self.file, &self.span) == (other.file, &other.span)
@@ -90,8 +115,21 @@ impl TextEdit {
         }
     }
 
-    /// Whether a number takes the place of a number, in the same unit if it has one.
+    /// Whether what suggests it says no more than that it is free.
+    pub(super) fn is_free(&self) -> bool {
+        self.hint.is_some() && !self.is_said
+    }
+
+    /// What would stand there, on one line.
+    pub(super) fn new_in_words(&self) -> String {
+        self.new.replace('\n', ", ")
+    }
+
+    /// Whether a number takes the place of a number, in the same unit if it has one, or that of none.
     pub(super) fn is_number(&self) -> bool {
+        if self.new.contains('\n') {
+            return true;
+        }
         let unit_of = |text: &str| -> Option<String> {
             let text = text.trim_start_matches(['<', '=', '>', ' ', '-']);
             let rest = text.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
@@ -116,6 +154,8 @@ pub(super) fn candidates(
     disagrees: &dyn Fn(&Subject) -> bool,
 ) -> Result<Vec<TextEdit>, Problem> {
     let mut found = columns(study)?;
+    // A further case before another one in its place: of edits that explain as much, the first is named first.
+    found.extend(clauses::of_vocabulary(study, disagrees));
     found.extend(model_bindings(study)?);
     for form in &study.forms.subjects {
         found.extend(other_words(study, form));
@@ -124,18 +164,43 @@ pub(super) fn candidates(
     found.extend(topics::quantities(study));
     found.extend(quantities::in_bindings(study, disagrees));
     found.extend(quantities::parameters(study, disagrees));
+    found.extend(formulas::of_forms(study, disagrees));
+    found.extend(sentences::of_requirements(study, disagrees));
     found.extend(times::of_step(study));
     found.extend(times::of_missions(study));
     let path = study.folder.join(TOPICS);
     if path.exists() {
         let text = host::files::read_source(&path)?.text;
         let topics = Topics::of(&text);
-        found.extend(quantities::scales(&text));
+        let is_judged = |proposition: &str| {
+            let mut forms = study.forms.subjects.iter();
+            forms.any(|form| {
+                disagrees(&form.subject) && of_monitor(form).iter().any(|it| it == proposition)
+            })
+        };
+        let is_read = |signal: &str| {
+            let mut words = study.vocabulary.propositions.iter();
+            words.any(|(name, it)| {
+                let place = it
+                    .trace
+                    .as_ref()
+                    .and_then(|it| topics::reads(&it.text, signal));
+                place.is_some() && is_judged(name)
+            })
+        };
+        found.extend(scales::of_topics(&text, &is_read));
+        found.extend(topics.exchanged(study, &is_judged));
         found.extend(topics.units());
         found.extend(topics.signals(study));
         found.extend(topics.values(study));
     }
     Ok(found)
+}
+
+/// Whether a subject's sentence, or a predicate that its monitor reads, names a parameter.
+pub(super) fn reads_parameters(study: &Study, form: &SubjectForm) -> bool {
+    let mut names = study.parameters.declared.keys();
+    names.any(|name| quantities::is_reader(study, form, name))
 }
 
 /// An edit of a proposition's binding.

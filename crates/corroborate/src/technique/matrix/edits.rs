@@ -16,11 +16,15 @@
 //!
 //! * how well all agree on what it explains: the evidence for one rate, of each subject that of its weakest pair. Rates
 //!   that are free agree with anything, and say nothing;
+//! * [`explained::COINCIDENCE`] for each piece beyond the first that would have to be wrong, at the least, for the same pairs to
+//!   disagree: two pieces that are read through one wrong word do so at once, and two errors that are alike are rarer than one;
 //! * [`explained::STRUCTURE`], if it explains a requirement without a limit of time, and no failure mode disagrees: a system that fails
 //!   otherwise fails somehow; likewise an edit of a duration, if requirements with a limit of time disagree and nothing else;
 //! * [`SAID`], if something else in the study says this very value (the limit of the other form, a duration in the text, a
-//!   unit in a field's name), [`FREE`], if only a place is free for it (a column or a state that no proposition names);
-//! * less the decades of the number of edits that were tried.
+//!   unit in a field's name), [`FREE`], shared among all that are free for one place, if only a place
+//!   is free for it (a column or a state that no proposition names);
+//! * less the decades of the number of edits that were tried and change how any two pieces agree: the others say the same as
+//!   no edit, and cannot explain anything by chance.
 //!
 //! Odds of edits of one place add up: whichever of its values is meant, the place is wrong. Numbers of one place that
 //! explain the same are a limit that plays no part any more, and explain nothing.
@@ -28,11 +32,11 @@
 //! # Source and guarantee
 //! The method of difference (J. S. Mill, 1843), and Bayes factors with the correction for the number of hypotheses of equal
 //! prior probability (H. Jeffreys, "Theory of Probability", 1961, section 5.04). An edit has no free parameter: what it
-//! predicts is computed, not fitted. [`explained::STRUCTURE`], [`SAID`] and [`FREE`] are prior odds, which nothing here estimates.
+//! predicts is computed, not fitted. [`explained::COINCIDENCE`], [`explained::STRUCTURE`], [`SAID`] and [`FREE`] are prior odds, which nothing here estimates.
 //!
 //! # Cost
-//! For each edit the models solved, the tables read or at most [`MOST_RUNS`] recordings judged again; only where there is
-//! strong disagreement.
+//! For each edit the models solved, the tables read or recordings judged again: at most [`FEW_RUNS`] of each piece, and at most
+//! [`MOST_RUNS`] where these do not show that it mends nothing; only where there is strong disagreement.
 
 mod explained;
 pub(crate) mod scratch;
@@ -68,6 +72,12 @@ const FREE: f64 = 1.0;
 /// Recordings of one piece of evidence that are judged again, at most.
 const MOST_RUNS: usize = 400;
 
+/// Recordings of one piece by which an edit is dropped that leaves all strong disagreement as it is.
+const FEW_RUNS: usize = 60;
+
+/// Disagreement by these few that all runs will hardly take away.
+const FEW_STRONG: f64 = 3.0 * STRONG;
+
 /// Strengths that differ by less explain as much.
 const AS_MUCH: f64 = 0.5;
 
@@ -83,6 +93,14 @@ type Values = BTreeMap<Subject, Option<f64>>;
 /// What the models answer, by their files.
 type ModelValues = BTreeMap<PathBuf, Values>;
 
+/// What an edit does to the evidence.
+enum After {
+    /// It mends nothing by a few runs; whether it changes how pieces agree.
+    Little { is_telling: bool },
+    /// All evidence as it is then.
+    All(Vec<Evidence>),
+}
+
 impl Diagnosing<'_> {
     /// Looks for single edits that explain strong disagreement.
     pub(super) fn edits(&self, gathered: &mut Gathered) -> Result<(), Problem> {
@@ -93,44 +111,104 @@ impl Diagnosing<'_> {
         let scratch = Scratch::new(self.study, self.folder)?;
         let now = self.models_now()?;
         let mut found: Vec<Explained> = Vec::new();
-        let mut tried = 0_u32;
+        let (mut tried, mut telling) = (0_u32, 0_u32);
         let strong = before.iter().filter(|(_, apart)| **apart > STRONG);
         let strong: BTreeSet<&Subject> = strong.map(|((.., subject), _)| subject).collect();
-        for edit in candidates(self.study, &|subject| strong.contains(subject))? {
+        let few = self.few_as_they_are(&scratch, &now);
+        let all = candidates(self.study, &|subject| strong.contains(subject))?;
+        let free: Vec<TextEdit> = all.iter().filter(|it| it.is_free()).cloned().collect();
+        for edit in all {
             self.setting.go_on()?;
             // An edit with which the study cannot be read is none.
             let after = scratch
                 .with(&edit)
-                .and_then(|study| self.produced_with(&study, &scratch, &edit, &now));
+                .and_then(|study| self.after(&study, &scratch, (&edit, &now), (&strong, &few)));
             self.setting.go_on()?;
-            if let Ok(evidence) = after {
-                tried += 1;
-                let after = self.disagreements(&evidence);
-                let is_timed = |subject: &Subject| {
-                    let form = self.study.forms.of(subject);
-                    form.is_some_and(|form| limits::is_timed(self.study, form))
-                };
-                let is_said = edit.is_said;
-                let explained = explained(edit, &before, &after, &is_timed);
-                let explained = explained.filter(|it| is_said || !it.is_constant(&evidence));
-                found.extend(explained.map(|it| Explained {
-                    hides: self.hidden_by(&evidence),
-                    ..it
-                }));
-            }
+            let Ok(after) = after else { continue };
+            tried += 1;
+            let evidence = match after {
+                After::Little { is_telling } => {
+                    telling += u32::from(is_telling);
+                    continue;
+                }
+                After::All(evidence) => evidence,
+            };
+            let after = self.disagreements(&evidence);
+            telling += u32::from(after != before);
+            let is_timed = |subject: &Subject| {
+                let form = self.study.forms.of(subject);
+                form.is_some_and(|form| limits::is_timed(self.study, form))
+            };
+            let is_said = edit.is_said;
+            let explained = explained(edit, &before, &after, &is_timed);
+            let explained = explained.filter(|it| is_said || !it.is_constant(&evidence));
+            found.extend(explained.map(|it| Explained {
+                hides: self.hidden_by(&evidence),
+                ..it
+            }));
         }
-        gathered.in_order.push(format!(
-            "{tried} single edits of vocabulary, forms and units were tried on all evidence; {} explain what disagrees",
-            found.len()
-        ));
         for it in &mut found {
             let hint = match (&it.edit.hint, it.edit.is_said) {
                 (Some(_), true) => SAID,
-                (Some(_), false) => FREE,
+                (Some(_), false) => {
+                    let of_place = free.iter().filter(|other| other.is_of_place(&it.edit));
+                    FREE - (of_place.count().max(1) as f64).log10()
+                }
                 (None, _) => 0.0,
             };
-            it.prior = hint - f64::from(tried.max(1)).log10();
+            it.prior = hint - f64::from(telling.max(1)).log10();
         }
+        self.named(gathered, found, &before, [tried, telling]);
+        Ok(())
+    }
+
+    /// How strongly the pieces disagree by a few runs of each, as the study is; nothing if these cannot be judged.
+    fn few_as_they_are(&self, scratch: &Scratch, now: &ModelValues) -> Pairs {
+        let nothing = TextEdit::none();
+        let evidence = scratch
+            .with(&nothing)
+            .and_then(|study| self.produced_with(&study, scratch, (&nothing, now), FEW_RUNS));
+        evidence.map_or_else(|_| Pairs::new(), |it| self.disagreements(&it))
+    }
+
+    /// What an edit does. Where runs are judged again, a few of them first: what these show to be in strong disagreement will
+    /// be so by all.
+    fn after(
+        &self,
+        study: &Study,
+        scratch: &Scratch,
+        edit: (&TextEdit, &ModelValues),
+        (strong, few): (&BTreeSet<&Subject>, &Pairs),
+    ) -> Result<After, Problem> {
+        if matches!(edit.0.reach, Reach::Runs | Reach::All) {
+            let after = self.produced_with(study, scratch, edit, FEW_RUNS)?;
+            let after = self.disagreements(&after);
+            let is_mended = |subject: &&Subject| {
+                let mut own = after.iter().filter(|((.., it), _)| it == *subject);
+                own.all(|(_, apart)| *apart <= FEW_STRONG)
+            };
+            if !strong.iter().any(is_mended) {
+                let is_telling = &after != few;
+                return Ok(After::Little { is_telling });
+            }
+        }
+        let all = self.produced_with(study, scratch, edit, MOST_RUNS)?;
+        Ok(After::All(all))
+    }
+
+    /// Clues against what the edits that explain most would change.
+    fn named(
+        &self,
+        gathered: &mut Gathered,
+        mut found: Vec<Explained>,
+        before: &Pairs,
+        [tried, telling]: [u32; 2],
+    ) {
+        gathered.in_order.push(format!(
+            "{tried} single edits of vocabulary, forms and units were tried on all evidence; {telling} change how pieces agree, {} explain \
+             what disagrees",
+            found.len()
+        ));
         drop_limits_that_play_no_part(&mut found);
         for place in 0..found.len() {
             let edit = &found[place].edit;
@@ -139,7 +217,7 @@ impl Diagnosing<'_> {
         }
         found.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
         let best = found.first().map_or(0.0, Explained::weight);
-        let rival = self.exchange(&before);
+        let rival = self.exchange(before);
         if let Some(rival) = rival {
             let odds = |it: &Explained| 10.0_f64.powf(it.weight() - rival);
             found
@@ -155,7 +233,6 @@ impl Diagnosing<'_> {
             let others: Vec<String> = others.map(|(_, place)| place.clone()).collect();
             gathered.clues.extend(self.clues_of(it, &others, tried));
         }
-        Ok(())
     }
 
     /// What is explained, as by an edit, if what a table has the wrong way round is exchanged; the most of all tables.
@@ -210,8 +287,8 @@ impl Diagnosing<'_> {
         &self,
         study: &Study,
         scratch: &Scratch,
-        edit: &TextEdit,
-        now: &ModelValues,
+        (edit, now): (&TextEdit, &ModelValues),
+        most: usize,
     ) -> Result<Vec<Evidence>, Problem> {
         let mut evidence = self.result.evidence.clone();
         for piece in &mut evidence {
@@ -237,7 +314,7 @@ impl Diagnosing<'_> {
                     let Some(folder) = recordings.or(simulated) else {
                         continue;
                     };
-                    self.verdicts(study, scratch, &folder)?
+                    self.verdicts(study, scratch, &folder, most)?
                 }
             };
             let known = findings.into_iter();
@@ -317,6 +394,7 @@ impl Diagnosing<'_> {
         study: &Study,
         scratch: &Scratch,
         folder: &Path,
+        most: usize,
     ) -> Result<Vec<Finding>, Problem> {
         let Ok(found) = recording::trials(folder) else {
             return Ok(Vec::new());
@@ -324,7 +402,7 @@ impl Diagnosing<'_> {
         if found.trials.is_empty() {
             return Ok(Vec::new());
         }
-        let trials = super::events::evenly(found.trials, MOST_RUNS);
+        let trials = spread(found.trials, most);
         let rules = ReadingRules::of_study(&scratch.folder, None)?;
         let judges = Judges::new(study, |_| true)?;
         let go_on = || self.setting.go_on();
@@ -394,6 +472,7 @@ impl Diagnosing<'_> {
                     all.join("; ")
                 ),
             };
+            let new = edit.new_in_words();
             Clue {
                 inaccuracy: match edit.kind {
                     SuspectKind::TimeScale => Inaccuracy::SystemModel,
@@ -409,14 +488,10 @@ impl Diagnosing<'_> {
                 },
                 subject: subject.clone(),
                 score: whole * it.share(),
-                title: format!(
-                    "`{}` in place of `{}` explains a conflict",
-                    edit.new, edit.old
-                ),
+                title: format!("`{new}` in place of `{}` explains a conflict", edit.old),
                 explanation: format!(
-                    "With `{}` in place of `{}` {} agree on {} (a Bayes factor of 10^{whole:.1} goes away), and little else comes to \
+                    "With `{new}` in place of `{}` {} agree on {} (a Bayes factor of 10^{whole:.1} goes away), and little else comes to \
                      disagree; of {tried} single edits that were tried.{hint}{hides}",
-                    edit.new,
                     edit.old,
                     words.join(", "),
                     subject.in_words()
@@ -448,6 +523,22 @@ impl Diagnosing<'_> {
     }
 }
 
+/// At most so many of a list, in its order, from all over it and with no period: what alternates in the list is not met by
+/// steps of its own length. All multiples of the golden ratio lie evenly between whole numbers.
+fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
+    const GOLDEN: f64 = 0.618_033_988_749_895;
+    if all.len() <= most {
+        return all;
+    }
+    let rank = |place: usize| (place as f64 * GOLDEN).fract();
+    let mut ranks: Vec<f64> = (0..all.len()).map(rank).collect();
+    ranks.sort_by(f64::total_cmp);
+    let limit = ranks.get(most).copied().unwrap_or(1.0);
+    let all = all.into_iter().enumerate();
+    let kept = all.filter(|(place, _)| rank(*place) < limit);
+    kept.map(|(_, it)| it).collect()
+}
+
 /// A model's findings with other answers; what it did not answer by its plain values before stays as it is.
 fn answers(now: Option<&Values>, then: &Values, known: &[Finding]) -> Vec<Finding> {
     let changed = known.iter().filter_map(|finding| {
@@ -473,4 +564,24 @@ fn evidence_of(pairs: &[[String; 2]]) -> Vec<String> {
     all.sort();
     all.dedup();
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn a_few_of_a_list_have_no_period() {
+        let few = spread((0..200_usize).collect(), 60);
+        assert_eq!(few.len(), 60);
+        for period in [2, 3, 5, 10] {
+            let share = few.iter().filter(|it| *it % period == 0).count();
+            let expected = 60 / period;
+            assert!(
+                share.abs_diff(expected) <= 3,
+                "{share} of 60 are multiples of {period}"
+            );
+        }
+        assert_eq!(spread(vec![1, 2], 60), [1, 2]);
+    }
 }

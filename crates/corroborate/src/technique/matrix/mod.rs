@@ -8,7 +8,7 @@
 //!
 //! `paths` has A and D, `runs` B, E, C and F from what `run` has judged already; `events` looks for
 //! behaviour that a model does not know, `repeated` runs episodes again, `edits` changes requirement models one
-//! value at a time, and `outliers` looks for a person who differs from all others. `evidence` ranks.
+//! value at a time, `outliers` looks for a person who differs from all others, and `words` names what runs are read through. `evidence` ranks.
 
 mod candidates;
 mod cells;
@@ -21,6 +21,7 @@ mod paths;
 mod repeated;
 mod runs;
 mod text;
+mod words;
 
 pub use formal::path_seeds;
 pub use paths::ModelPaths;
@@ -99,6 +100,7 @@ pub fn diagnose(
     let clues = std::mem::take(&mut gathered.clues);
     let mut suspects = evidence::rank(&matter, clues);
     diagnosing.lines(&mut suspects, &mut gathered)?;
+    diagnosing.words(&mut suspects);
     Ok(Diagnosis {
         inputs: inputs_of(result),
         effort: effort.clone(),

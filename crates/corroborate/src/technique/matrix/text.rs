@@ -86,6 +86,18 @@ fn listed(title: &str, lines: &[String], out: &mut String) {
     }
 }
 
+/// A command for a study as the user named it: alone, or before a file of it.
+fn in_study(command: &str, study: &str) -> String {
+    let words = command.split(' ').map(|word| {
+        let rest = word.strip_prefix(ANY_STUDY);
+        match rest.filter(|rest| rest.is_empty() || rest.starts_with('/')) {
+            Some(rest) => format!("{}{rest}", study.trim_end_matches('/')),
+            None => word.to_owned(),
+        }
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
 fn suspected(suspect: &Suspect, study: &str, out: &mut String) {
     let source = match suspect.inaccuracy {
         Inaccuracy::Tool => "tool",
@@ -104,7 +116,7 @@ fn suspected(suspect: &Suspect, study: &str, out: &mut String) {
         let _ = writeln!(out, "     {others}");
     }
     for witness in &suspect.witnesses {
-        let replay = witness.replay.replacen(ANY_STUDY, study, 1);
+        let replay = in_study(&witness.replay, study);
         let _ = writeln!(out, "     witness: {replay}  ({})", witness.shows);
     }
     for reason in &suspect.ruled_out {
@@ -112,5 +124,23 @@ fn suspected(suspect: &Suspect, study: &str, out: &mut String) {
     }
     if let Some(id) = &suspect.resolved_by {
         let _ = writeln!(out, "     mended in {id}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_study;
+
+    #[test]
+    fn a_command_names_the_study_wherever_it_stands() {
+        let command = "corroborate monitor STUDY STUDY/recordings/run1.csv";
+        assert_eq!(
+            in_study(command, "my/one"),
+            "corroborate monitor my/one my/one/recordings/run1.csv"
+        );
+        assert_eq!(
+            in_study("corroborate replay STUDY S1:3", "STUDY2"),
+            "corroborate replay STUDY2 S1:3"
+        );
     }
 }

@@ -1,5 +1,5 @@
 //! Edits of the numbers that formulas of traces read: the parameters of `parameters.toml`, numbers and comparisons in `trace`
-//! bindings, and the `scale` of a signal.
+//! bindings.
 //!
 //! # Definition
 //! A parameter is looked at if a requirement's or a failure mode's sentence, or a proposition that its monitor reads, names
@@ -9,14 +9,15 @@
 //! * a slip by a factor.
 //!
 //! One whose value a text says already is not looked at. A number in a binding may be what the texts of those say that read
-//! it, or a slip by a factor (its units are in [`super::topics`]); a comparison may be the other way round. A `scale` may
-//! be a slip by a factor, by the sign, or between radians and degrees.
+//! it, or a slip by a factor (its units are in [`super::topics`]); a comparison may be the other way round. A bare number
+//! that is compared may be any number that these texts say, but shares and durations, or one that the `model` of the same
+//! proposition compares with.
 //!
 //! # Guarantee
 //! That of [`super`]: none. What is named is what all evidence is explained by.
 
 use super::topics::{UNITS, numbers_with_units, other_units};
-use super::{PARAMETERS, Reach, TOPICS, TextEdit, binding, limits::said_texts, of_monitor, values};
+use super::{PARAMETERS, Reach, TextEdit, binding, limits::said_texts, of_monitor};
 use evidence::{Subject, SuspectKind};
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -24,19 +25,10 @@ use study::{Study, SubjectForm};
 use trace::units::QuantityValue;
 
 /// Slips of a number.
-const FACTORS: [f64; 4] = [10.0, 0.1, 2.0, 0.5];
-
-/// Slips of a scale, besides those of a number: the sign, thousandths, radians for degrees.
-const SCALES: [f64; 5] = [
-    -1.0,
-    1000.0,
-    0.001,
-    std::f64::consts::PI / 180.0,
-    180.0 / std::f64::consts::PI,
-];
+pub(super) const FACTORS: [f64; 4] = [10.0, 0.1, 2.0, 0.5];
 
 /// Values that differ by less than this part are the same.
-const SAME_PART: f64 = 1e-9;
+pub(super) const SAME_PART: f64 = 1e-9;
 
 /// Other values of the parameters that are read.
 pub(super) fn parameters(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> Vec<TextEdit> {
@@ -111,6 +103,16 @@ pub(super) fn in_bindings(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -
                 add(edit, &mut found);
             }
         }
+        let model = proposition.model.as_ref().map(|it| it.text.as_str());
+        for (span, new, hint) in bare(&place.text, model, &told_bare(study, &readers)) {
+            let edit = TextEdit {
+                span: within(&span),
+                old: place.text[span].to_owned(),
+                is_said: hint.is_some(),
+                ..binding((name, "trace"), place, new, Reach::Runs, hint)
+            };
+            add(edit, &mut found);
+        }
         for (span, turned) in comparisons(&place.text) {
             let old = place.text[span.clone()].to_owned();
             let edit = TextEdit {
@@ -124,39 +126,8 @@ pub(super) fn in_bindings(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -
     found
 }
 
-/// Other scales of signals.
-pub(super) fn scales(text: &str) -> Vec<TextEdit> {
-    let mut starts: Vec<usize> = text.match_indices("[\"/").map(|(at, _)| at).collect();
-    starts.push(text.len());
-    let mut found = Vec::new();
-    for pair in starts.windows(2) {
-        let signal = text[pair[0] + 2..pair[1]].split('"').next();
-        let written = values(text, pair[0]..pair[1], "scale").into_iter().next();
-        let (Some(signal), Some((span, written))) = (signal, written) else {
-            continue;
-        };
-        let Ok(number) = written.parse::<f64>() else {
-            continue;
-        };
-        for factor in FACTORS.iter().chain(&SCALES) {
-            let edit = TextEdit {
-                file: TOPICS,
-                span: span.clone(),
-                old: written.clone(),
-                new: plainly(number * factor),
-                kind: SuspectKind::Vocabulary,
-                part: format!("{signal}, scale"),
-                reach: Reach::Runs,
-                hint: None,
-                is_said: false,
-            };
-            add(edit, &mut found);
-        }
-    }
-    found
-}
-
-fn add(edit: TextEdit, found: &mut Vec<TextEdit>) {
+/// Adds an edit that changes something and is not there yet.
+pub(super) fn add(edit: TextEdit, found: &mut Vec<TextEdit>) {
     let mut known = found.iter();
     let is_known = known.any(|it| it.is_of_place(&edit) && it.new == edit.new);
     if edit.new != edit.old && !is_known {
@@ -166,15 +137,19 @@ fn add(edit: TextEdit, found: &mut Vec<TextEdit>) {
 
 /// The requirements and failure modes that read a parameter.
 fn readers<'s>(study: &'s Study, name: &'s str) -> impl Iterator<Item = &'s SubjectForm> {
-    study.forms.subjects.iter().filter(move |form| {
-        let propositions = of_monitor(form).into_iter();
-        let bindings = propositions.filter_map(|it| {
-            let found = study.vocabulary.propositions.get(&it)?;
-            Some(found.trace.as_ref()?.text.clone())
-        });
-        let mut texts = bindings.chain(said_texts(study, &form.subject));
-        texts.any(|text| has_word(&text, name))
-    })
+    let forms = study.forms.subjects.iter();
+    forms.filter(move |form| is_reader(study, form, name))
+}
+
+/// Whether a subject's text or sentence, or a predicate that its monitor reads, names a parameter.
+pub(super) fn is_reader(study: &Study, form: &SubjectForm, name: &str) -> bool {
+    let propositions = of_monitor(form).into_iter();
+    let bindings = propositions.filter_map(|it| {
+        let found = study.vocabulary.propositions.get(&it)?;
+        Some(found.trace.as_ref()?.text.clone())
+    });
+    let mut texts = bindings.chain(said_texts(study, &form.subject));
+    texts.any(|text| has_word(&text, name))
 }
 
 fn has_word(text: &str, name: &str) -> bool {
@@ -257,8 +232,96 @@ fn in_text(text: &str) -> Vec<Quantity> {
     pairs.collect()
 }
 
+/// The bare numbers that the texts of these say, but shares and durations, each with whose text it is.
+fn told_bare(study: &Study, readers: &[&SubjectForm]) -> Vec<(f64, String)> {
+    let mut found: Vec<(f64, String)> = Vec::new();
+    for form in readers {
+        for text in said_texts(study, &form.subject) {
+            for number in bare_in_text(&text) {
+                let is_known = found.iter().any(|(it, _)| *it == number);
+                if !is_known {
+                    found.push((number, format!("the text of {}", form.subject.in_words())));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// The numbers of a text in words that are no share and no duration, whatever their units.
+fn bare_in_text(text: &str) -> Vec<f64> {
+    const OTHERS: [&str; 12] = [
+        "%", "percent", "of", "ms", "s", "second", "seconds", "min", "minutes", "minute", "h",
+        "hours",
+    ];
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let mut found = Vec::new();
+    for (place, word) in words.iter().enumerate() {
+        let number = word
+            .trim_matches(['(', ')', ',', ';', ':'])
+            .trim_end_matches('.');
+        let next = words.get(place + 1).copied().unwrap_or_default();
+        let next = next.trim_matches(|c: char| !(c.is_ascii_alphanumeric() || c == '%'));
+        let is_share = place > 0 && words[place - 1] == "probability"
+            || place > 1
+                && words[place - 2..place] == ["at", "least"]
+                && words[..place].contains(&"probability");
+        if let (Ok(number), false, false) =
+            (number.parse::<f64>(), OTHERS.contains(&next), is_share)
+        {
+            found.push(number);
+        }
+    }
+    found
+}
+
+/// Other bare numbers in the comparisons of a predicate: what is told, what the proposition's `model` compares with, slips.
+fn bare(
+    text: &str,
+    model: Option<&str>,
+    told: &[(f64, String)],
+) -> Vec<(Range<usize>, String, Option<String>)> {
+    let of_model = model.map_or_else(Vec::new, compared_numbers).into_iter();
+    let of_model = of_model.map(|(_, number)| (number, "its `model`".to_owned()));
+    let told: Vec<(f64, String)> = told.iter().cloned().chain(of_model).collect();
+    let mut found = Vec::new();
+    for (span, own) in compared_numbers(text) {
+        let is_same = |other: f64| (other - own).abs() <= SAME_PART * own.abs();
+        // What a text says already is not looked at.
+        if told.iter().any(|(it, _)| is_same(*it)) {
+            continue;
+        }
+        let said = told
+            .iter()
+            .map(|(it, by)| (*it, Some(format!("{by} says it"))));
+        let slips = FACTORS.iter().map(|factor| (own * factor, None));
+        for (number, hint) in said.chain(slips.filter(|_| own != 0.0)) {
+            found.push((span.clone(), plainly(number), hint));
+        }
+    }
+    found
+}
+
+/// The numbers without a unit behind the comparisons of a predicate, with their places.
+fn compared_numbers(text: &str) -> Vec<(Range<usize>, f64)> {
+    let numbers = comparisons(text).into_iter().filter_map(|(sign, _)| {
+        let rest = text[sign.end..].trim_start();
+        let start = text.len() - rest.len();
+        let end = rest.find(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));
+        let (number, behind) = rest.split_at(end.unwrap_or(rest.len()));
+        let is_bare = behind
+            .trim_start()
+            .chars()
+            .next()
+            .is_none_or(|c| ")&|=?".contains(c));
+        let number: f64 = number.parse().ok()?;
+        is_bare.then_some((start..start + end.unwrap_or(rest.len()), number))
+    });
+    numbers.collect()
+}
+
 /// The comparisons of a predicate, each with the one that is the other way round.
-fn comparisons(text: &str) -> Vec<(Range<usize>, &'static str)> {
+pub(super) fn comparisons(text: &str) -> Vec<(Range<usize>, &'static str)> {
     const TURNED: [(&str, &str); 4] = [("<=", ">="), (">=", "<="), ("<", ">"), (">", "<")];
     let mut found = Vec::new();
     let mut at = 0;
@@ -279,7 +342,7 @@ fn comparisons(text: &str) -> Vec<(Range<usize>, &'static str)> {
 }
 
 /// A number as it would be written: at most nine digits that count.
-fn plainly(value: f64) -> String {
+pub(super) fn plainly(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
@@ -316,6 +379,27 @@ mod tests {
     }
 
     #[test]
+    fn bare_numbers_are_those_that_texts_and_models_say() {
+        let text = "In at least 75 % of 12 meals, with probability at least 0.7, nobody eats above 70 mg/dl in 4 h (or 60 degrees).";
+        assert_eq!(bare_in_text(text), [12.0, 70.0, 60.0]);
+        let found = compared_numbers("/a.x < 52 & (/a.y >= -0.5) & /a.v > 3 m/s");
+        let numbers: Vec<f64> = found.iter().map(|(_, number)| *number).collect();
+        assert_eq!(numbers, [52.0, -0.5]);
+        let told = [(70.0, "the text".to_owned())];
+        let found = bare("/a.x < 52", Some("charge<30"), &told);
+        let said: Vec<&str> = found
+            .iter()
+            .filter(|it| it.2.is_some())
+            .map(|it| it.1.as_str())
+            .collect();
+        assert_eq!(said, ["70", "30"]);
+        assert!(
+            bare("/a.x < 70", None, &told).is_empty(),
+            "the text says it"
+        );
+    }
+
+    #[test]
     fn comparisons_are_turned_round_and_arrows_left() {
         let text = "/a.x <= 3 & (/a.y > 2 => /a.z < 1)";
         let found: Vec<(&str, &str)> = comparisons(text)
@@ -323,14 +407,5 @@ mod tests {
             .map(|(span, turned)| (&text[span], turned))
             .collect();
         assert_eq!(found, [("<=", ">="), (">", "<"), ("<", ">")]);
-    }
-
-    #[test]
-    fn a_scale_is_tried_with_other_factors() {
-        let text = "[\"/x.angle\"]\nfrom = \"/imu.yaw\"\nscale = 0.5\nunit = \"rad\"\n";
-        let edits = scales(text);
-        assert_eq!(edits.len(), FACTORS.len() + SCALES.len());
-        assert!(edits.iter().all(|it| text[it.span.clone()] == *"0.5"));
-        assert!(edits.iter().any(|it| it.new == "-0.5"));
     }
 }

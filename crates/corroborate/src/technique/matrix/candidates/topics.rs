@@ -2,6 +2,7 @@
 //!
 //! The definition is that of [`super`].
 
+use super::quantities::add;
 use super::{
     Reach, TOPICS, TextEdit, binding, hint_of_free, is_named_after, is_shared, plain, values,
 };
@@ -81,6 +82,16 @@ struct Signal {
     kind: Option<String>,
     unit: Option<(Range<usize>, String)>,
     values: Vec<String>,
+}
+
+impl Signal {
+    /// Whether another signal can be said the same of. Where one has no unit the study's own check decides.
+    fn is_like(&self, other: &Self) -> bool {
+        let unit = |it: &Self| it.unit.as_ref().map(|(_, unit)| unit.clone());
+        let units = (unit(self), unit(other));
+        let is_same_unit = units.0 == units.1 || units.0.is_none() || units.1.is_none();
+        self.kind == other.kind && self.values.is_empty() && other.values.is_empty() && is_same_unit
+    }
 }
 
 /// What topics.toml says, with places.
@@ -213,6 +224,47 @@ impl Topics {
         }
         found
     }
+
+    /// Another signal in place of one in the predicates of subjects in disagreement: one that no proposition reads, and that
+    /// can be said the same of.
+    pub(super) fn exchanged(&self, study: &Study, is_read: &dyn Fn(&str) -> bool) -> Vec<TextEdit> {
+        let words = &study.vocabulary.propositions;
+        let bound = || {
+            words
+                .iter()
+                .filter_map(|(name, p)| Some((name, p.trace.as_ref()?)))
+        };
+        let is_used =
+            |signal: &Signal| bound().any(|(_, place)| reads(&place.text, &signal.name).is_some());
+        let free: Vec<&Signal> = self.signals.iter().filter(|it| !is_used(it)).collect();
+        let mut found = Vec::new();
+        for (name, place) in bound().filter(|(name, _)| is_read(name)) {
+            for own in &self.signals {
+                let Some(at) = reads(&place.text, &own.name) else {
+                    continue;
+                };
+                for other in free.iter().filter(|other| own.is_like(other)) {
+                    let mut new = place.text.clone();
+                    new.replace_range(at.clone(), &other.name);
+                    let hint = format!("no proposition reads {}", other.name);
+                    let edit = binding((name, "trace"), place, new, Reach::Runs, Some(hint));
+                    add(edit, &mut found);
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Where a predicate reads a signal.
+pub(super) fn reads(text: &str, signal: &str) -> Option<Range<usize>> {
+    let mut places = text
+        .match_indices(signal)
+        .map(|(at, _)| at..at + signal.len());
+    places.find(|at| {
+        let next = text[at.end..].chars().next();
+        next.is_none_or(|c| !(c.is_ascii_alphanumeric() || "_./".contains(c)))
+    })
 }
 
 /// The texts of a list on one line of a TOML text.
@@ -253,6 +305,21 @@ fn predicates(study: &Study, signal: &Signal, texts: &[&String]) -> Vec<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_signal_is_read_as_a_whole_name() {
+        assert_eq!(reads("/a.x > 1 & !/b.on", "/b.on"), Some(12..17));
+        assert!(reads("/a.xy > 1", "/a.x").is_none());
+    }
+
+    #[test]
+    fn signals_are_alike_by_kind_and_unit() {
+        let text = "[\"/a.x\"]\nfrom = \"/csv.a\"\nunit = \"mm\"\n\n[\"/a.y\"]\nfrom = \"/csv.b\"\nunit = \"deg\"\n\n\
+                    [\"/a.on\"]\nfrom = \"/csv.c\"\nkind = \"bool\"\n\n[\"/a.z\"]\nfrom = \"/csv.d\"\n";
+        let all = Topics::of(text).signals;
+        let like = |one: usize, other: usize| all[one].is_like(&all[other]);
+        assert!(like(0, 3) && like(3, 1) && !like(0, 1) && !like(2, 3));
+    }
 
     #[test]
     fn quantities_stand_with_their_units() {

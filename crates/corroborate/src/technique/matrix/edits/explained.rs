@@ -2,10 +2,16 @@
 
 use super::{Pairs, SAME, TextEdit};
 use evidence::{Evidence, Rate, STRONG, Subject};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Decades for an edit if requirements alone disagree, or for one of a duration if those with a limit of time alone do.
 pub(super) const STRUCTURE: f64 = 1.0;
+
+/// Decades for what mends pairs that otherwise need errors in several pieces, for each piece beyond the first.
+pub(super) const COINCIDENCE: f64 = 1.0;
+
+/// Pieces among which those that would have to be wrong are looked for, at most.
+const MOST_PIECES: usize = 12;
 
 /// The least and the most that an edit takes of what it explains.
 const SHARES: [f64; 2] = [0.03, 0.97];
@@ -79,13 +85,40 @@ pub(super) fn balance(
     let pairs = before
         .iter()
         .filter(|(pair, was)| **was > STRONG && mended.contains(&&pair.2));
-    let pairs = pairs.map(|(pair, was)| (pair.clone(), was - after.get(pair).unwrap_or(was)));
+    let pairs: Pairs = pairs
+        .map(|(pair, was)| (pair.clone(), was - after.get(pair).unwrap_or(was)))
+        .collect();
+    let beyond_one =
+        fewest_wrong(pairs.keys().map(|(one, other, _)| (one, other))).saturating_sub(1);
+    agreement += f64::from(beyond_one) * COINCIDENCE;
     let score = gone - come;
     (score > STRONG && come <= STRONG).then(|| Balance {
-        pairs: pairs.collect(),
+        pairs,
         score,
         agreement,
     })
+}
+
+/// How many pieces have to be wrong, at the least, if in each of these pairs one is.
+fn fewest_wrong<'p>(pairs: impl Iterator<Item = (&'p String, &'p String)>) -> u32 {
+    let pairs: BTreeSet<(&String, &String)> = pairs.collect();
+    let pieces: BTreeSet<&String> = pairs
+        .iter()
+        .flat_map(|(one, other)| [*one, *other])
+        .collect();
+    let pieces: Vec<&String> = pieces.into_iter().take(MOST_PIECES).collect();
+    let wrong = |set: u32, piece: &String| {
+        let place = pieces.iter().position(|it| *it == piece);
+        // Whoever is not looked at may be wrong.
+        place.is_none_or(|place| set >> place & 1 == 1)
+    };
+    let all = 0..1_u32 << pieces.len();
+    let enough = all.filter(|set| {
+        pairs
+            .iter()
+            .all(|(one, other)| wrong(*set, one) || wrong(*set, other))
+    });
+    enough.map(u32::count_ones).min().unwrap_or(0)
 }
 
 /// What an edit explains, if it makes little worse.
@@ -171,6 +204,26 @@ impl Explained {
 
     pub(super) fn in_words(&self) -> String {
         let edit = &self.edit;
-        format!("{} ({}: `{}`)", edit.file, edit.part, edit.new)
+        format!("{} ({}: `{}`)", edit.file, edit.part, edit.new_in_words())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fewest_wrong;
+
+    #[test]
+    fn one_piece_may_be_wrong_against_all_others_but_two_sides_of_two_need_two() {
+        let count = |pairs: &[(&str, &str)]| {
+            let pairs: Vec<(String, String)> = pairs
+                .iter()
+                .map(|(a, b)| ((*a).to_owned(), (*b).to_owned()))
+                .collect();
+            fewest_wrong(pairs.iter().map(|(a, b)| (a, b)))
+        };
+        assert_eq!(count(&[]), 0);
+        assert_eq!(count(&[("M", "S"), ("M", "T"), ("M", "O")]), 1);
+        assert_eq!(count(&[("M", "S"), ("M", "O"), ("T", "S"), ("T", "O")]), 2);
+        assert_eq!(count(&[("M", "S"), ("S", "T"), ("M", "T")]), 2);
     }
 }
