@@ -121,7 +121,7 @@ use judge::{Asked, Level};
 pub(crate) use limits::of_tests;
 pub(crate) use stand::at_one_look;
 use std::collections::BTreeMap;
-pub use words::effective_size;
+pub use words::{AS_ALIKE, effective_size};
 
 #[cfg(doc)]
 use crate::Step;

@@ -49,7 +49,7 @@ pub use conclude::alone::{Alone, alone};
 pub use conclude::combined::{Combined, CommonBound, Model, Weights, combine};
 pub use conclude::coverage::coverage_gaps;
 pub use conclude::threshold::{Deciding, NotPlanned};
-pub use conclude::{CERTAINTY, conclude, effective_size};
+pub use conclude::{AS_ALIKE, CERTAINTY, conclude, effective_size};
 pub use description::DescriptionGap;
 pub use diagnose::{
     CERTAIN, Cell, CellPlace, Clue, Contrast, Counted, Diagnosis, Effort, Figure, HALF_STEP,

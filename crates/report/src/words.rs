@@ -142,12 +142,17 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
         return Some(nothing.to_owned());
     }
     let level = number::level(rate.level);
-    let model = match is_counted_by_subject(study) {
-        true => {
-            ", if subjects differ as a beta distribution has it and, where a verdict says that it supposes so, are as alike in one column \
-             of a table as in the others"
+    // Said by the verdicts that rest on it.
+    let is_borrowed = |it: &evidence::Conclusion| it.statement.contains(evidence::AS_ALIKE);
+    let model = match (
+        is_counted_by_subject(study),
+        study.conclusions.iter().any(is_borrowed),
+    ) {
+        (true, true) => {
+            ", if subjects differ as a beta distribution has it, and are as alike in one column of a table as in its others"
         }
-        false => "",
+        (true, false) => ", if subjects differ as a beta distribution has it",
+        (false, _) => "",
     };
     Some(match rate.holds_for {
         ErrorFamily::Study => format!(

@@ -141,11 +141,14 @@ fn span(ends: stats::Interval) -> String {
     }
 }
 
+/// What a verdict says that takes from other columns how alike trials of one subject are.
+pub const AS_ALIKE: &str =
+    "it supposes that trials of one subject are as alike here as in the other columns of the table";
+
 /// That a claim rests on how alike trials of one subject are in other columns.
 pub(super) fn alike_as_elsewhere(p: f64) -> String {
     format!(
-        "; it supposes that trials of one subject are as alike here as in the other columns of the table (p {} with each \
-         subject as one trial)",
+        "; {AS_ALIKE} (p {} with each subject as one trial)",
         p_value(p)
     )
 }

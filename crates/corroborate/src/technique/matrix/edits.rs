@@ -7,7 +7,8 @@
 //! the strongest counts. An edit *explains* the subjects that disagreed strongly ([`evidence::STRONG`]) and do not any
 //! more. Its *score* is what goes away on them, less what comes up anywhere else; it is dropped if more than [`STRONG`]
 //! comes up, since chance alone moves the weaker pairs. What a table has the wrong way round ([`evidence::put_right`]) is
-//! weighed as an edit is, and one that explains more takes the edits' place. Of those that are left the ones that explain most are clues, and
+//! weighed as an edit is, and one that explains more takes the edits' place; likewise a number of a formal model that is solved
+//! for ([`super::lines`]), at [`FREE_VALUE`] decades less. Of those that are left the ones that explain most are clues, and
 //! those that explain as much are named with them. An edit with which every run of every piece is judged alike (a limit that
 //! nothing keeps) explains nothing by that, unless something else in the study says its very value.
 //!
@@ -42,6 +43,7 @@ mod explained;
 pub(crate) mod scratch;
 
 use super::candidates::{Reach, TextEdit, candidates, limits};
+use super::lines::{OfModel, OfModels};
 use super::{Diagnosing, Gathered};
 use crate::technique::experiment::Tables;
 use crate::technique::kinds::{Asked, TreeChange, tree_values};
@@ -65,6 +67,9 @@ use study::Study;
 
 /// Decades for an edit whose very value something else says, too.
 const SAID: f64 = 2.5;
+
+/// Decades against a number that is solved for: it makes one rate agree whatever the truth is.
+const FREE_VALUE: f64 = 3.0;
 
 /// Decades for an edit to what is free.
 const FREE: f64 = 1.0;
@@ -103,7 +108,7 @@ enum After {
 
 impl Diagnosing<'_> {
     /// Looks for single edits that explain strong disagreement.
-    pub(super) fn edits(&self, gathered: &mut Gathered) -> Result<(), Problem> {
+    pub(super) fn edits(&self, offered: &OfModels, gathered: &mut Gathered) -> Result<(), Problem> {
         let before = self.disagreements(&self.result.evidence);
         if before.values().all(|apart| *apart <= STRONG) {
             return Ok(());
@@ -158,7 +163,10 @@ impl Diagnosing<'_> {
             };
             it.prior = hint - f64::from(telling.max(1)).log10();
         }
-        self.named(gathered, found, &before, [tried, telling]);
+        let exchange = self.exchange(&before);
+        let rival = exchange.into_iter().chain(self.numbers(offered, &before));
+        let rival = rival.max_by(f64::total_cmp);
+        self.named(gathered, found, rival, [tried, telling]);
         Ok(())
     }
 
@@ -201,7 +209,7 @@ impl Diagnosing<'_> {
         &self,
         gathered: &mut Gathered,
         mut found: Vec<Explained>,
-        before: &Pairs,
+        rival: Option<f64>,
         [tried, telling]: [u32; 2],
     ) {
         gathered.in_order.push(format!(
@@ -217,7 +225,6 @@ impl Diagnosing<'_> {
         }
         found.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
         let best = found.first().map_or(0.0, Explained::weight);
-        let rival = self.exchange(before);
         if let Some(rival) = rival {
             let odds = |it: &Explained| 10.0_f64.powf(it.weight() - rival);
             found
@@ -233,6 +240,26 @@ impl Diagnosing<'_> {
             let others: Vec<String> = others.map(|(_, place)| place.clone()).collect();
             gathered.clues.extend(self.clues_of(it, &others, tried));
         }
+    }
+
+    /// What is explained, as by an edit, if one number of a formal model has another value; the most of all numbers. That the
+    /// value is free costs [`FREE_VALUE`].
+    fn numbers(&self, offered: &OfModels, before: &Pairs) -> Option<f64> {
+        let weight = |model: &OfModel, then: &Values| {
+            let mut after = self.result.evidence.clone();
+            let piece = after.iter_mut().find(|it| it.id == model.evidence)?;
+            for new in answers(Some(&model.before), then, &piece.findings) {
+                let old = piece.findings.iter_mut();
+                if let Some(old) = old.into_iter().find(|old| old.subject == new.subject) {
+                    *old = new;
+                }
+            }
+            let after = self.disagreements(&after);
+            Some(balance(before, &after, &|_| true)?.weight() - FREE_VALUE)
+        };
+        let all = offered.models.iter();
+        let all = all.flat_map(|model| model.answers().filter_map(move |then| weight(model, then)));
+        all.max_by(f64::total_cmp)
     }
 
     /// What is explained, as by an edit, if what a table has the wrong way round is exchanged; the most of all tables.
@@ -255,7 +282,7 @@ impl Diagnosing<'_> {
     }
 
     /// How strongly the pieces that speak for themselves disagree, pair by pair.
-    fn disagreements(&self, evidence: &[Evidence]) -> Pairs {
+    pub(super) fn disagreements(&self, evidence: &[Evidence]) -> Pairs {
         let speaks = |piece: &&Evidence| {
             !(piece.intermediate || piece.published && piece.reproduced_by.is_some())
         };

@@ -15,27 +15,82 @@ use crate::refine::proposal::{Asset, current, ground, of_model};
 use crate::refine::solver::Solver;
 use crate::technique::kinds::{Asked, TreeChange, tree_values};
 use diagnostic::Problem;
-use evidence::{Subject, Suspect, SuspectKind};
+use evidence::{Measure, STRONG, Subject, Suspect, SuspectKind};
 use host::{Events, Host};
 use refinement::{Changed, ModelChange, NamedOffer, Trial, Values};
 use study::Work;
+
+/// A change with the model after it, and what it does to the agreement with all evidence.
+type Tried = (ModelChange, Changed, Trial);
+
+/// What could be changed in the formal models of a study.
+pub(super) struct OfModels {
+    pub(super) models: Vec<OfModel>,
+}
+
+/// What could be changed in one of them.
+pub(super) struct OfModel {
+    pub(super) evidence: String,
+    text: String,
+    /// What it answers now.
+    pub(super) before: Values,
+    changes: Vec<Tried>,
+}
+
+impl OfModel {
+    /// What it answers after each change that does no harm.
+    pub(super) fn answers(&self) -> impl Iterator<Item = &Values> {
+        let harmless = self
+            .changes
+            .iter()
+            .filter(|(.., trial)| !trial.is_harmful());
+        harmless.map(|(_, changed, _)| changed.at_last())
+    }
+}
 
 impl Diagnosing<'_> {
     /// Gives the models among the suspects the lines that a change mends.
     pub(super) fn lines(
         &self,
         suspects: &mut [Suspect],
-        gathered: &mut Gathered,
+        offered: &OfModels,
     ) -> Result<(), Problem> {
         self.tree_lines(suspects)?;
+        for offered in &offered.models {
+            let text = offered.text.as_str();
+            for suspect in suspects
+                .iter_mut()
+                .filter(|it| is_whole_model(it, &offered.evidence))
+            {
+                if let Some((change, changed)) = best_for(&suspect.subjects, &offered.changes) {
+                    point(suspect, text, change, changed);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What could be changed in the formal models that disagree strongly with something.
+    pub(super) fn offered(&self, gathered: &mut Gathered) -> Result<OfModels, Problem> {
+        let apart = self.disagreements(&self.result.evidence);
         let solver = Solver::new(self.study, &self.setting.cancel);
+        let mut models = Vec::new();
         for entry in current(self.study) {
-            let Some(path) = entry.work.model() else {
+            let disagrees = apart.iter().any(|((one, other, _), apart)| {
+                *apart > STRONG && [one, other].contains(&&entry.id)
+            });
+            let lacks = || {
+                let pieces = self.result.evidence.iter();
+                pieces.filter(|it| it.id == entry.id).any(|it| {
+                    it.findings.iter().any(|finding| {
+                        matches!(finding.subject, Subject::FailureMode(_))
+                            && matches!(finding.measure, Measure::NotExpressible { .. })
+                    })
+                })
+            };
+            let Some(path) = entry.work.model().filter(|_| disagrees || lacks()) else {
                 continue;
             };
-            if !suspects.iter().any(|it| is_whole_model(it, &entry.id)) {
-                continue;
-            }
             let (source, _) = host::files::read_prism(&self.study.folder.join(path))?;
             let asset = Asset {
                 entry,
@@ -45,26 +100,21 @@ impl Diagnosing<'_> {
             let changes = self.changes(&asset, &solver);
             // An interrupted solution is no reason to say that there is no line.
             self.setting.go_on()?;
-            let changes = match changes {
-                Ok(changes) => changes,
-                Err(problem) => {
-                    let reason = problem.warning_line();
-                    gathered
-                        .not_done
-                        .push(format!("lines of {}: {reason}", entry.id));
-                    continue;
-                }
-            };
-            for suspect in suspects
-                .iter_mut()
-                .filter(|it| is_whole_model(it, &entry.id))
-            {
-                if let Some((change, changed)) = best_for(&suspect.subjects, &changes) {
-                    point(suspect, &source.text, change, changed);
-                }
+            match changes {
+                Ok((before, changes)) => models.push(OfModel {
+                    evidence: entry.id.clone(),
+                    text: source.text,
+                    before,
+                    changes,
+                }),
+                Err(problem) => gathered.not_done.push(format!(
+                    "lines of {}: {}",
+                    entry.id,
+                    problem.warning_line()
+                )),
             }
         }
-        Ok(())
+        Ok(OfModels { models })
     }
 
     /// The same for fault trees: numbers of their text, solved for.
@@ -126,7 +176,7 @@ impl Diagnosing<'_> {
         &self,
         asset: &Asset<'_>,
         solver: &Solver<'_>,
-    ) -> Result<Vec<(ModelChange, Changed, Trial)>, Problem> {
+    ) -> Result<(Values, Vec<Tried>), Problem> {
         let before = solver.values(asset.path, asset.text)?;
         let ground = ground(self.study, self.result);
         let offers = of_model(self.study, self.result, asset, solver)?;
@@ -134,7 +184,8 @@ impl Diagnosing<'_> {
             let trial = ground.tried(&asset.entry.id, &before, changed.at_last());
             (change, changed, trial)
         };
-        Ok(offers.changes.into_iter().map(tried).collect())
+        let changes = offers.changes.into_iter().map(tried).collect();
+        Ok((before, changes))
     }
 }
 
@@ -161,7 +212,7 @@ impl refinement::Solver for Tree<'_> {
 /// The first harmless change of these subjects, their own before those that repair them.
 fn best_for<'c>(
     subjects: &[Subject],
-    changes: &'c [(ModelChange, Changed, Trial)],
+    changes: &'c [Tried],
 ) -> Option<(&'c ModelChange, &'c Changed)> {
     let harmless = || changes.iter().filter(|(.., trial)| !trial.is_harmful());
     let own = |subject: &Subject| harmless().find(|(change, ..)| change.subject() == *subject);

@@ -80,7 +80,8 @@ pub fn diagnose(
     diagnosing.runs(&mut gathered)?;
     diagnosing.events(&mut gathered)?;
     diagnosing.repeated(&mut gathered)?;
-    diagnosing.edits(&mut gathered)?;
+    let offered = diagnosing.offered(&mut gathered)?;
+    diagnosing.edits(&offered, &mut gathered)?;
     diagnosing.outliers(&mut gathered)?;
     gathered.clues.extend(drifts(study));
     diagnosing.drifted_constants(&mut gathered)?;
@@ -99,7 +100,7 @@ pub fn diagnose(
     });
     let clues = std::mem::take(&mut gathered.clues);
     let mut suspects = evidence::rank(&matter, clues);
-    diagnosing.lines(&mut suspects, &mut gathered)?;
+    diagnosing.lines(&mut suspects, &offered)?;
     diagnosing.words(&mut suspects);
     Ok(Diagnosis {
         inputs: inputs_of(result),
