@@ -109,11 +109,18 @@ fn texts(study: &Study, mixed: &Mixed<'_>) -> Result<Vec<(String, Exchange)>, Pr
         return Ok(texts);
     };
     let modes = mixed.modes.each_ref().map(|mode| mode.id().to_owned());
-    if let [Subject::Requirement(_), _] = mixed.modes {
-        let exchange = |file| (shown(file), Exchange::Names { modes });
-        return Ok(tables.requirements.map(exchange).into_iter().collect());
+    let is_of_modes = matches!(mixed.modes, [Subject::FailureMode(_), _]);
+    if let (Some(file), false) = (tables.requirements, is_of_modes) {
+        let exchange = Exchange::Names {
+            modes: modes.clone(),
+        };
+        // A requirement may be counted in the cohort alone.
+        let text = host::files::read_source(&study.folder.join(file))?.text;
+        if tables.cohort.is_none() || exchange.make(&text).is_ok() {
+            texts.push((shown(file), exchange));
+        }
     }
-    if let Some(file) = tables.failure_modes {
+    if let (Some(file), true) = (tables.failure_modes, is_of_modes) {
         let exchange = match mixed.is_whole {
             true => Exchange::Names { modes },
             false => Exchange::Occurrences { modes },

@@ -311,11 +311,10 @@ impl<'a> Compiled<'a> {
                     denominator: Denominator::default(),
                     trigger: None,
                 },
-                None => {
-                    let asked =
-                        self.ask(question, methods, &space, exact_space.as_ref(), &cancel)?;
-                    self.unless_it_says_nothing(question, asked)?
-                }
+                None => match self.ask(question, methods, &space, exact_space.as_ref(), &cancel) {
+                    Ok(asked) => self.unless_it_says_nothing(question, asked)?,
+                    Err(problem) => self.unless_it_was_derived(question, problem)?,
+                },
             };
             findings.push(Finding {
                 subject: question.subject.clone(),
@@ -355,6 +354,31 @@ impl<'a> Compiled<'a> {
             influences,
             cost,
         })
+    }
+
+    /// That a model cannot be asked what a sentence says is no mistake of the study's: who wrote the sentence wrote no property
+    /// for this model.
+    fn unless_it_was_derived(
+        &self,
+        question: &Question,
+        problem: Problem,
+    ) -> Result<Asked, Problem> {
+        let form = self.study.forms.of(&question.subject);
+        let property = form.and_then(|form| form.property.as_ref());
+        match property.filter(|it| it.from_sentence && given::is_refused(&problem)) {
+            None => Err(problem),
+            Some(property) => Ok(Asked {
+                measure: Measure::NotExpressible {
+                    reason: format!(
+                        "This model cannot be asked what its sentence says (`{}`): {}. A `property` written for the model can be asked.",
+                        property.text,
+                        problem.message()
+                    ),
+                },
+                denominator: Denominator::default(),
+                trigger: None,
+            }),
+        }
     }
 
     /// Requirements without a property are not expressible by any model.

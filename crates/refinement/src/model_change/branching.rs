@@ -172,6 +172,17 @@ fn candidates<'r>(
         .filter(|command| assigns(command, variable))
         .map(|command| (rank(read, command, variable, &after, initial), command))
         .collect();
+    if found.is_empty() {
+        // Nothing leads there any more: what is left is where the opportunity is.
+        let all = commands.iter();
+        let all = all.map(|command| (rank(read, command, variable, &after, None), command));
+        found.extend(all.filter(|(rank, _)| *rank == 0));
+    }
+    if found.is_empty() {
+        return Err(format!(
+            "no command assigns `{variable}`, and none asks for what its opportunity says"
+        ));
+    }
     found.sort_by_key(|(rank, command)| (*rank, command.span.start));
     // Where a guard says when the opportunity is, no other command is meant.
     let is_said = found.first().is_some_and(|(rank, _)| *rank == 0);

@@ -113,6 +113,7 @@ impl Diagnosing<'_> {
         if before.values().all(|apart| *apart <= STRONG) {
             return Ok(());
         }
+        self.say_what_is_not_kept(gathered);
         let scratch = Scratch::new(self.study, self.folder)?;
         let now = self.models_now()?;
         let mut found: Vec<Explained> = Vec::new();
@@ -168,6 +169,30 @@ impl Diagnosing<'_> {
         let rival = rival.max_by(f64::total_cmp);
         self.named(gathered, found, rival, [tried, telling]);
         Ok(())
+    }
+
+    /// Pieces whose runs cannot be judged again, since none is kept.
+    fn say_what_is_not_kept(&self, gathered: &mut Gathered) {
+        for entry in &self.study.ledger {
+            let Some(folder) = self.runs_of(entry) else {
+                continue;
+            };
+            let is_empty = recording::trials(&folder).map_or(true, |found| found.trials.is_empty());
+            if is_empty && !entry.intermediate {
+                gathered.not_done.push(format!(
+                    "single edits on the runs of {}: none is kept in {}",
+                    entry.id,
+                    folder.display()
+                ));
+            }
+        }
+    }
+
+    /// Where the recordings of an entry are kept.
+    fn runs_of(&self, entry: &study::Entry) -> Option<PathBuf> {
+        let recordings = entry.work.recordings().map(|of| self.study.folder.join(of));
+        let episodes = || self.folder.join("episodes").join(&entry.id);
+        recordings.or(entry.work.simulated().map(|_| episodes()))
     }
 
     /// How strongly the pieces disagree by a few runs of each, as the study is; nothing if these cannot be judged.
@@ -335,10 +360,7 @@ impl Diagnosing<'_> {
                     tables.produce(study, id, work.technique())?.findings
                 }
                 (Reach::Runs, _) | (Reach::All, None) => {
-                    let episodes = || self.folder.join("episodes").join(id);
-                    let recordings = work.recordings().map(|of| self.study.folder.join(of));
-                    let simulated = work.simulated().map(|_| episodes());
-                    let Some(folder) = recordings.or(simulated) else {
+                    let Some(folder) = self.runs_of(entry) else {
                         continue;
                     };
                     self.verdicts(study, scratch, &folder, most)?
