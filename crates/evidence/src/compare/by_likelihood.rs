@@ -38,40 +38,54 @@ const MOST_DEVIATE: f64 = 37.0;
 const PLACES: u32 = 8;
 const REFINEMENTS: u32 = 16;
 
-/// Both p-values of a pair; 0, which claims nothing by itself, where no side has counts by subject that tell how alike they are.
+/// Both p-values of counts beside what is no count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct PairByLikelihood {
+struct PairByLikelihood {
     /// Of "no difference".
-    pub difference: f64,
+    difference: f64,
     /// Of "the difference is the margin or more".
-    pub equivalence: f64,
+    equivalence: f64,
+}
+
+/// What is asked of a pair.
+#[derive(Clone, Copy)]
+pub(super) enum Claim {
+    /// That they differ.
+    Difference,
+    /// That the difference is below this margin.
+    Within(f64),
+}
+
+/// The p-value of a claim; 0, which claims nothing by itself, where no side has counts by subject that tell how alike they are.
+pub(super) fn p_value(first: &Belief, second: &Belief, claim: Claim) -> f64 {
+    if !tells_how_alike(first) && !tells_how_alike(second) {
+        return 0.0;
+    }
+    let margin = match claim {
+        Claim::Difference => 0.0,
+        Claim::Within(margin) => margin,
+    };
+    let beside = |counts: &Side<'_>, other: &Belief| {
+        let both = PairByLikelihood::beside(counts, other, margin);
+        match claim {
+            Claim::Difference => both.difference,
+            Claim::Within(_) => both.equivalence,
+        }
+    };
+    match (Side::of(first), Side::of(second)) {
+        (Some(one), Some(other)) => match claim {
+            Claim::Difference => chi_squared_sf(sum_of_squares(&one, &other, 0.0), 1.0),
+            Claim::Within(margin) => {
+                p_at_least(&one, &other, margin).max(p_at_least(&other, &one, margin))
+            }
+        },
+        (Some(counts), None) => beside(&counts, second),
+        (None, Some(counts)) => beside(&counts, first),
+        (None, None) => 0.0,
+    }
 }
 
 impl PairByLikelihood {
-    pub fn of(first: &Belief, second: &Belief, margin: f64) -> Self {
-        if !tells_how_alike(first) && !tells_how_alike(second) {
-            return Self::default();
-        }
-        let (one, other) = (Side::of(first), Side::of(second));
-        match (one, other) {
-            (Some(one), Some(other)) => Self::of_two(&one, &other, margin),
-            (Some(counts), None) => Self::beside(&counts, second, margin),
-            (None, Some(counts)) => Self::beside(&counts, first, margin),
-            (None, None) => Self::default(),
-        }
-    }
-
-    fn of_two(one: &Side<'_>, other: &Side<'_>, margin: f64) -> Self {
-        let (least, greatest) = (
-            p_at_least(one, other, margin),
-            p_at_least(other, one, margin),
-        );
-        Self {
-            difference: chi_squared_sf(sum_of_squares(one, other, 0.0), 1.0),
-            equivalence: least.max(greatest),
-        }
-    }
-
     /// Counts beside numbers between bounds, or between ends that are uncertain.
     fn beside(counts: &Side<'_>, other: &Belief, margin: f64) -> Self {
         match other {
@@ -270,6 +284,14 @@ mod tests {
     use crate::uniform::Uniform;
     use stats::{Confidence, Sample};
 
+    /// Both p-values of a pair.
+    fn both(first: &Belief, second: &Belief, margin: f64) -> PairByLikelihood {
+        PairByLikelihood {
+            difference: p_value(first, second, Claim::Difference),
+            equivalence: p_value(first, second, Claim::Within(margin)),
+        }
+    }
+
     fn of_people(counts: &[(u64, u64)]) -> Belief {
         let sample = |&(successes, trials): &(u64, u64)| Sample { successes, trials };
         let people: Vec<Sample> = counts.iter().map(sample).collect();
@@ -299,7 +321,7 @@ mod tests {
     fn beside_a_known_number_it_is_what_a_verdict_asks() {
         let people = of_people(&TEN);
         let clusters = ByCluster::new(&TEN.map(|(count, trials)| [count, trials]));
-        let found = PairByLikelihood::of(&people, &known(0.95), 0.1);
+        let found = both(&people, &known(0.95), 0.1);
         let (_, at_least) = clusters.doubts(0.95);
         assert!(
             (found.difference - 2.0 * at_least).abs() < 1e-9,
@@ -307,7 +329,7 @@ mod tests {
         );
         let (at_most, _) = clusters.doubts(0.95 - 0.1);
         assert!((found.equivalence - at_most).abs() < 1e-9, "{found:?}");
-        let swapped = PairByLikelihood::of(&known(0.95), &people, 0.1);
+        let swapped = both(&known(0.95), &people, 0.1);
         assert_eq!(found, swapped);
     }
 
@@ -319,7 +341,7 @@ mod tests {
         people.extend(vec![(0, 2); 50]);
         let first = of_people(&people);
         let (a, n, b, m) = (1000.0, 1400.0, 330.0, 500.0);
-        let found = PairByLikelihood::of(&first, &counts(330, 500), 0.1);
+        let found = both(&first, &counts(330, 500), 0.1);
         let ln = |k: f64, n: f64, rate: f64| k * rate.ln() + (n - k) * (1.0 - rate).ln();
         let pooled = (a + b) / (n + m);
         let ratio = ln(a, n, a / n) + ln(b, m, b / m) - ln(a, n, pooled) - ln(b, m, pooled);
@@ -328,7 +350,7 @@ mod tests {
             (found.difference / expected - 1.0).abs() < 0.03,
             "{found:?} {expected}"
         );
-        let swapped = PairByLikelihood::of(&counts(330, 500), &first, 0.1);
+        let swapped = both(&counts(330, 500), &first, 0.1);
         assert!((swapped.difference / found.difference - 1.0).abs() < 1e-3);
         assert!((swapped.equivalence / found.equivalence - 1.0).abs() < 1e-3);
     }
@@ -338,18 +360,18 @@ mod tests {
         let none = PairByLikelihood::default();
         assert_eq!((none.difference, none.equivalence), (0.0, 0.0));
         for other in [counts(80, 100), known(0.9)] {
-            assert_eq!(PairByLikelihood::of(&counts(90, 100), &other, 0.1), none);
+            assert_eq!(both(&counts(90, 100), &other, 0.1), none);
         }
         // Of people whose trials all came out alike nothing tells how alike they are.
         let alike = of_people(&[(10, 10), (10, 10), (10, 10)]);
-        assert_eq!(PairByLikelihood::of(&alike, &known(0.9), 0.1), none);
+        assert_eq!(both(&alike, &known(0.9), 0.1), none);
     }
 
     /// Estimates that are the margin or more apart speak for no agreement.
     #[test]
     fn what_lies_beyond_the_margin_does_not_agree() {
         for other in [counts(70, 100), known(0.7)] {
-            let found = PairByLikelihood::of(&of_people(&TEN), &other, 0.1);
+            let found = both(&of_people(&TEN), &other, 0.1);
             assert!(found.equivalence > 0.5, "{found:?}");
         }
     }
@@ -376,9 +398,9 @@ mod tests {
                 is_range: false,
             },
         };
-        let expected = PairByLikelihood::of(&people, &known(0.95), 0.1);
+        let expected = both(&people, &known(0.95), 0.1);
         for other in [distribution, range] {
-            let found = PairByLikelihood::of(&people, &other, 0.1);
+            let found = both(&people, &other, 0.1);
             for (found, expected) in [
                 (found.difference, expected.difference),
                 (found.equivalence, expected.equivalence),
@@ -403,7 +425,7 @@ mod tests {
             };
             let same = Pair::new(them.clone(), simulated(0.85), 0.1);
             differ += u32::from(same.p_difference() <= 0.05);
-            assert!(same.p_difference() >= same.by_likelihood().difference);
+            assert!(same.p_difference() >= same.difference_by_likelihood());
             let apart = Pair::new(them, simulated(0.75), 0.1);
             agree += u32::from(apart.shows_agreement(Confidence::P95));
         }

@@ -1,7 +1,7 @@
 //! The statistics of one pair of rates.
 
 use super::Belief;
-use super::by_likelihood::PairByLikelihood;
+use super::by_likelihood::{self, Claim};
 use super::ends::{self, End, PlannedSide};
 use super::past::{Asked, Before, Past};
 use super::uncertain::Uncertain;
@@ -30,8 +30,6 @@ pub(super) struct Pair {
     /// Where a plan asks what more counts would show against a side that is uncertain otherwise: that side, for means over
     /// it that are taken thousands of times. A conclusion has none and integrates.
     places: Option<Rc<PlannedSide>>,
-    /// What counts by subject say of it, if it is the only look.
-    by_likelihood: OnceCell<PairByLikelihood>,
     /// This pair's uncertain side, for plans.
     places_of_next: OnceCell<Option<Rc<PlannedSide>>>,
     /// The pairs of what each side may be where it has runs without a verdict; none where each run has one.
@@ -43,6 +41,8 @@ pub(super) struct Pair {
 /// Answers that are worked out once.
 #[derive(Default)]
 struct Answered {
+    difference_by_likelihood: OnceCell<f64>,
+    equivalence_by_likelihood: OnceCell<f64>,
     p_difference: OnceCell<f64>,
     p_equivalence: OnceCell<Option<f64>>,
     probability_within: OnceCell<f64>,
@@ -68,7 +68,6 @@ impl Pair {
             past: None,
             past_of_next: OnceCell::new(),
             places: None,
-            by_likelihood: OnceCell::new(),
             places_of_next: OnceCell::new(),
             answered: Answered::default(),
         }
@@ -164,13 +163,20 @@ impl Pair {
 
     /// Whether a difference is shown at this level, by the quickest test.
     pub fn differs(&self, level: Confidence) -> bool {
-        let (asked, once) = match self.p_by_fisher_once() {
-            Some(p) => (Asked::DifferenceByFisher, p),
-            None => (Asked::Difference, self.p_difference_once()),
-        };
-        match &self.past {
-            Some((_, past)) => past.shows(self, asked, once, level.alpha()),
-            None => once <= level.alpha(),
+        let at_size = self.p_by_fisher_at_size();
+        match (&self.past, at_size) {
+            // What the quicker test does not show, no other shows beside it.
+            (None, Some(p)) => {
+                p <= level.alpha() && self.difference_by_likelihood() <= level.alpha()
+            }
+            (None, None) => self.p_difference_once() <= level.alpha(),
+            (Some((_, past)), _) => {
+                let (asked, once) = match self.p_by_fisher_once() {
+                    Some(p) => (Asked::DifferenceByFisher, p),
+                    None => (Asked::Difference, self.p_difference_once()),
+                };
+                past.shows(self, asked, once, level.alpha())
+            }
         }
     }
 
@@ -267,17 +273,28 @@ impl Pair {
         let answer = &self.answered.p_difference;
         *answer.get_or_init(|| {
             let at_size = self.p_difference_at_size();
-            at_size.max(self.by_likelihood().difference)
+            at_size.max(self.difference_by_likelihood())
         })
     }
 
-    /// What counts by subject say of it, if it is the only look and each run has a verdict; the ends say it of themselves.
-    pub fn by_likelihood(&self) -> &PairByLikelihood {
-        let of = || match self.ends.is_empty() {
-            true => PairByLikelihood::of(&self.first, &self.second, self.margin),
-            false => PairByLikelihood::default(),
-        };
-        self.by_likelihood.get_or_init(of)
+    /// What counts by subject say of "no difference", if it is the only look and each run has a verdict; the ends say it of
+    /// themselves.
+    pub fn difference_by_likelihood(&self) -> f64 {
+        let answer = &self.answered.difference_by_likelihood;
+        *answer.get_or_init(|| self.p_by_likelihood(Claim::Difference))
+    }
+
+    /// The same of "the difference is the margin or more".
+    pub fn equivalence_by_likelihood(&self) -> f64 {
+        let answer = &self.answered.equivalence_by_likelihood;
+        *answer.get_or_init(|| self.p_by_likelihood(Claim::Within(self.margin)))
+    }
+
+    fn p_by_likelihood(&self, claim: Claim) -> f64 {
+        match self.ends.is_empty() {
+            true => by_likelihood::p_value(&self.first, &self.second, claim),
+            false => 0.0,
+        }
     }
 
     fn p_difference_at_size(&self) -> f64 {
@@ -345,6 +362,11 @@ impl Pair {
 
     /// The same if this was the only look.
     pub fn p_by_fisher_once(&self) -> Option<f64> {
+        let at_size = self.p_by_fisher_at_size()?;
+        Some(at_size.max(self.difference_by_likelihood()))
+    }
+
+    fn p_by_fisher_at_size(&self) -> Option<f64> {
         if !self.ends.is_empty() {
             return None;
         }
@@ -360,10 +382,7 @@ impl Pair {
                     effective: eb,
                     ..
                 },
-            ) => {
-                let at_size = at_effective_size(fisher_exact, (*a, *ea), (*b, *eb));
-                Some(at_size.max(self.by_likelihood().difference))
-            }
+            ) => Some(at_effective_size(fisher_exact, (*a, *ea), (*b, *eb))),
             _ => None,
         }
     }
@@ -391,7 +410,7 @@ impl Pair {
         let answer = &self.answered.p_equivalence;
         *answer.get_or_init(|| {
             let at_size = self.p_equivalence_at_size();
-            at_size.map(|p| p.max(self.by_likelihood().equivalence))
+            at_size.map(|p| p.max(self.equivalence_by_likelihood()))
         })
     }
 
@@ -462,7 +481,7 @@ impl Pair {
         if let Some(beyond) = self.over_ends(|end| 1.0 - end.probability_within()) {
             return 1.0 - beyond;
         }
-        let by_likelihood = 1.0 - self.by_likelihood().equivalence;
+        let by_likelihood = 1.0 - self.equivalence_by_likelihood();
         self.probability_within_at_size().min(by_likelihood)
     }
 

@@ -133,7 +133,7 @@ impl Past {
             true => 0.0,
             false => continued_below(&samples, ceiling),
         };
-        let by_likelihood = pair.by_likelihood().equivalence;
+        let by_likelihood = pair.equivalence_by_likelihood();
         Some(not_below.max(not_above).max(by_likelihood))
     }
 
