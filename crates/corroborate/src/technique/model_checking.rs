@@ -363,7 +363,7 @@ impl<'a> Compiled<'a> {
         question: &Question,
         problem: Problem,
     ) -> Result<Asked, Problem> {
-        let form = self.study.forms.of(&question.subject);
+        let form = self.study.forms.of(question.subject);
         let property = form.and_then(|form| form.property.as_ref());
         match property.filter(|it| it.from_sentence && given::is_refused(&problem)) {
             None => Err(problem),

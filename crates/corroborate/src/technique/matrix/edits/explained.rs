@@ -92,7 +92,7 @@ pub(super) fn balance(
         fewest_wrong(pairs.keys().map(|(one, other, _)| (one, other))).saturating_sub(1);
     agreement += f64::from(beyond_one) * COINCIDENCE;
     let score = gone - come;
-    (score > STRONG && come <= STRONG).then(|| Balance {
+    (score > STRONG && come <= STRONG).then_some(Balance {
         pairs,
         score,
         agreement,
