@@ -213,7 +213,8 @@ fn remedy(slid: bool, data: &SceneData, engine: &str) -> String {
                 solver.impratio
             ),
             now => format!(
-                "raise simulation.mujoco.no_slip_iterations (now {now}), or shorten simulation.time_step_secs"
+                "make the contact stiffer (contact_time_secs in the materials of both that touch), raise \
+                 simulation.mujoco.no_slip_iterations (now {now}), or shorten simulation.time_step_secs"
             ),
         };
     }

@@ -3,7 +3,8 @@
 use trace::{Field, Trace, TraceError};
 
 use super::data::{
-    Activity, ActuatorKind, GripperKind, JointGroup, PersonBody, SceneData, Sensor, SensorKind,
+    Activity, ActuatorKind, GripperKind, JointGroup, PersonBody, Robot, SceneData, Sensor,
+    SensorKind,
 };
 use super::gripping::names_of;
 use super::truth::Block;
@@ -56,7 +57,7 @@ impl Recorder {
         };
         for robot in &data.robots {
             let topic = format!("/truth/{}", robot.name);
-            let mut fields = robot_fields(&robot.recorded_joints);
+            let mut fields = robot_fields(robot);
             fields.extend(more(declared, &topic));
             let topic = trace.add_channel(topic, fields)?;
             topics.robots.push(topic);
@@ -148,7 +149,7 @@ fn world(name: &str, unit: &str) -> Field {
     Field::number(name, unit).in_frame("world")
 }
 
-fn robot_fields(joints: &[String]) -> Vec<Field> {
+fn robot_fields(robot: &Robot) -> Vec<Field> {
     let mut fields = vec![
         world("x", "m"),
         world("y", "m"),
@@ -160,9 +161,13 @@ fn robot_fields(joints: &[String]) -> Vec<Field> {
         Field::number("person_force", "N"),
         Field::number("other_force", "N"),
     ];
-    for joint in joints {
-        fields.push(Field::number(format!("{joint}.position"), "rad"));
-        fields.push(Field::number(format!("{joint}.velocity"), "rad/s"));
+    for joint in &robot.recorded_joints {
+        let (position, velocity) = match robot.sliding_joints.contains(joint) {
+            true => ("m", "m/s"),
+            false => ("rad", "rad/s"),
+        };
+        fields.push(Field::number(format!("{joint}.position"), position));
+        fields.push(Field::number(format!("{joint}.velocity"), velocity));
     }
     fields
 }

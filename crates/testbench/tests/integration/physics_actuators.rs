@@ -123,8 +123,9 @@ impl Case<'_> {
         let settings = settings.map(|(key, value)| ((*key).to_owned(), Setting::Number(*value)));
         stimulus.settings = settings.collect::<Settings>();
         let run = bench.run(&stimulus, 5, &mut Unwatched, &Cancel::default());
-        run.map(|recorded| recorded.trace)
-            .map_err(|error| error.to_string())
+        let trace = run.map_err(|error| error.to_string())?.trace;
+        assert_sliding(&trace);
+        Ok(trace)
     }
 
     /// Runs it in MuJoCo, or in Rapier where that is missing.
@@ -416,4 +417,14 @@ fn faults_are_drawn_from_the_seed_and_wrong_ones_are_refused() {
             "{refused}"
         );
     }
+}
+
+/// What slides is recorded as a length.
+fn assert_sliding(trace: &Trace) {
+    let unit = |name: &str| {
+        let field = trace.field(trace.signal(name).expect(name)).expect(name);
+        field.unit.clone()
+    };
+    assert_eq!(unit("/truth/it.rail.position"), "m");
+    assert_eq!(unit("/truth/it.rail.velocity"), "m/s");
 }

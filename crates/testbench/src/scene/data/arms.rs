@@ -161,7 +161,7 @@ impl SceneData {
         }
     }
 
-    /// Fills in what groups have from their robots' descriptions.
+    /// Fills in what groups and recorded joints have from their robots' descriptions.
     ///
     /// # Errors
     /// All joints that a description does not have or that cannot be driven, and limits that nothing gives.
@@ -171,6 +171,19 @@ impl SceneData {
     ) -> Result<(), ScenarioError> {
         let mut wrong = Vec::new();
         let step_secs = self.simulation.time_step_secs;
+        for robot in &mut self.robots {
+            let model = models.get(&robot.file);
+            let slides = |name: &&String| {
+                let joint = model.and_then(|model| Some(&model.joints[model.joint(name)?]));
+                joint.is_some_and(|it| it.kind == robot_model::JointKind::Prismatic)
+            };
+            robot.sliding_joints = robot
+                .recorded_joints
+                .iter()
+                .filter(slides)
+                .cloned()
+                .collect();
+        }
         let files: BTreeMap<&str, &str> = self
             .robots
             .iter()

@@ -91,6 +91,9 @@ pub struct Robot {
     /// Joints whose positions and velocities are recorded.
     #[serde(default)]
     pub recorded_joints: Vec<String>,
+    /// Those of them that slide, by the description: their positions are lengths.
+    #[serde(skip)]
+    pub sliding_joints: Vec<String>,
 }
 
 /// Something else, fixed or loose: a wall, a box, a table.
