@@ -2,7 +2,7 @@
 //!
 //! Definition: given joints `q` of a tree, a link with a tool's frame `T(q)` and a goal `G`, find `q` within the joints' limits
 //! with the error `e = (p_G - p_T, w r)` equal to 0: `r` is the rotation vector that takes `T`'s orientation to `G`'s, `w` a
-//! length ([`TURN_M`]) by which angles count against distances. A goal without an orientation has no `r`.
+//! length (`TURN_M`) by which angles count against distances. A goal without an orientation has no `r`.
 //!
 //! Source: damped least squares with the damping of Levenberg and Marquardt, (JᵀJ + λ diag) Δq = Jᵀe, after S. R. Buss,
 //! "Introduction to Inverse Kinematics with Jacobian Transpose, Pseudoinverse and Damped Least Squares methods" (2009).
@@ -11,7 +11,7 @@
 //! the goal, further ones are taken from a Halton sequence within the limits, always the same. The Jacobian is taken by
 //! central differences of [`Model::poses`], so that every joint that it knows is right.
 //!
-//! Cost: a start has at most [`ROUNDS`] rounds of `2 n + 2` forward kinematics, and there are at most [`STARTS`] starts.
+//! Cost: a start has at most `ROUNDS` rounds of `2 n + 2` forward kinematics, and there are at most `STARTS` starts.
 //!
 //! Guarantee: what is told as reached was computed forwards again and is within [`WITHIN_M`] and [`WITHIN_RAD`]. What is not
 //! reached is not proven to be out of reach; the distance that is left is that of the best pose found.
