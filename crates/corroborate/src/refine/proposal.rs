@@ -282,6 +282,16 @@ pub fn model_proposal(
     notes.extend(changed.notes.iter().cloned());
     notes.extend(hides(result, &change, before, changed.at_last()));
     let is_harmful = tried.is_harmful();
+    // A number that makes a requirement agree is the model's error only if the model is the likeliest to be wrong, and the
+    // number the only one that does.
+    let is_fitted = matches!(
+        change,
+        ModelChange::Solve {
+            subject: Subject::Requirement(_),
+            ..
+        }
+    );
+    let is_a_guess = !changed.alternatives.is_empty() || (is_fitted && suspect != Some(1));
     // What is right within the margin, or as far as chance tells, is not to be changed without being looked at.
     let repairs_nothing = tried.repairs.is_empty() && tried.sides.is_empty();
     if repairs_nothing {
@@ -302,7 +312,7 @@ pub fn model_proposal(
         effects: effects(result, before, &changed.values, &mode, counts),
         tried,
         notes,
-        needs_decision: is_harmful || repairs_nothing || !changed.alternatives.is_empty(),
+        needs_decision: is_harmful || repairs_nothing || is_a_guess,
         change: Change::Model {
             entry: entry.clone(),
             change,
