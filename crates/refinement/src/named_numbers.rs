@@ -9,6 +9,7 @@
 //! Only the number's digits are replaced; all else of the text stays as it is written. What the number means to the
 //! program is not known: that is found by running it.
 
+use crate::model_change::digits;
 use std::ops::Range;
 
 /// A number with its name and place.
@@ -30,12 +31,6 @@ impl NamedNumber {
         changed.replace_range(self.span.clone(), &digits(value));
         changed
     }
-}
-
-/// Six significant digits.
-fn digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    format!("{rounded}")
 }
 
 /// All named numbers of a text, in their order.

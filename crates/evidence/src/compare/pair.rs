@@ -163,14 +163,13 @@ impl Pair {
 
     /// Whether a difference is shown at this level, by the quickest test.
     pub fn differs(&self, level: Confidence) -> bool {
-        let at_size = self.p_by_fisher_at_size();
-        match (&self.past, at_size) {
-            // What the quicker test does not show, no other shows beside it.
-            (None, Some(p)) => {
-                p <= level.alpha() && self.difference_by_likelihood() <= level.alpha()
-            }
-            (None, None) => self.p_difference_once() <= level.alpha(),
-            (Some((_, past)), _) => {
+        match &self.past {
+            None => match self.p_by_fisher_at_size() {
+                // What the quicker test does not show, no other shows beside it.
+                Some(p) => p <= level.alpha() && self.difference_by_likelihood() <= level.alpha(),
+                None => self.p_difference_once() <= level.alpha(),
+            },
+            Some((_, past)) => {
                 let (asked, once) = match self.p_by_fisher_once() {
                     Some(p) => (Asked::DifferenceByFisher, p),
                     None => (Asked::Difference, self.p_difference_once()),
