@@ -2,6 +2,7 @@
 //! technique asks it.
 
 mod carried;
+mod durations;
 mod read;
 mod stated;
 mod threshold;
@@ -109,6 +110,8 @@ pub struct SubjectForm {
     pub carried_at: Vec<Range<usize>>,
     /// That its text states another rate than its threshold.
     other_rate: Option<Problem>,
+    /// That its text states another time than its sentence.
+    other_duration: Option<Problem>,
 }
 
 impl SubjectForm {
@@ -117,6 +120,7 @@ impl SubjectForm {
         let sentence = self.sentence.as_ref();
         let mut found = sentence.map_or_else(Vec::new, |sentence| sentence.warnings.clone());
         found.extend(self.other_rate.clone());
+        found.extend(self.other_duration.clone());
         let said = found.iter().any(|warning| warning.code == "exact-instant");
         let main = self.monitor.iter();
         let judging = main.chain(self.readings.iter().map(|reading| &reading.monitor));

@@ -1,5 +1,6 @@
 //! A cohort of one person: four hundred trials of it decide nothing of others, in the words and marks of all faces, and do
-//! where the study says why this one stands for all. And what a text states is held against the threshold.
+//! where the study says why this one stands for all. And what a text states is held against the threshold
+//! and the sentence.
 
 use crate::support;
 
@@ -116,6 +117,37 @@ fn a_text_that_states_another_rate_than_the_threshold_is_said_once_with_its_plac
         "",
     ));
     assert!(!err.contains("text-threshold"), "{err}");
+}
+
+/// A parameter that was changed without its text; and a text that says more, or the same in another unit.
+#[test]
+fn a_text_that_states_another_time_than_its_sentence_is_said_once_with_its_place() {
+    let said_of = |text: &str| {
+        let folder = study(text, "P1,398,400", "");
+        let file = folder.path().join("requirements.toml");
+        let shall =
+            "shall = \"The arm shall with probability at least 0.9 within 60 s satisfy kept.\"";
+        let asked = std::fs::read_to_string(&file).expect("the requirements");
+        let written = asked.replace("property = 'P=? [ F \"kept\" ]'", shall);
+        let written = written.replace("threshold = \"at least 0.9\"\n", "");
+        std::fs::write(&file, written).expect("written");
+        run(&folder).1
+    };
+    let err = said_of("It is kept within 40 s.");
+    assert_eq!(err.matches("text-duration").count(), 1, "{err}");
+    assert!(
+        err.contains("the text states 40 s, and the sentence asks for 60 s"),
+        "{err}"
+    );
+    assert!(err.contains("requirements.toml:3:"), "{err}");
+    for text in [
+        "It is kept within a minute.",
+        "It is kept within 1 min.",
+        "After a pause of 5 s it is kept within 60 s.",
+    ] {
+        let err = said_of(text);
+        assert!(!err.contains("text-duration"), "{text}: {err}");
+    }
 }
 
 /// Two statements of one count, each with its guarantee: an interval of one look, and a limit that holds at every look.

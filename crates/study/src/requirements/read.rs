@@ -1,6 +1,7 @@
 //! Reads `requirements.toml` and holds it against the vocabulary and the declared parameters.
 
 use super::carried::{CarryOverText, carried};
+use super::durations::other_duration;
 use super::stated::other_rate;
 use super::{FormText, Forms, ReadingForm, SubjectForm, TriggerForm};
 use crate::judging_form::{JudgingForm, JudgingText, Rule};
@@ -272,6 +273,7 @@ impl Reader<'_> {
             experiment: self.experiment(text.experiment)?,
             carried_at: text.carries_over.iter().map(Spanned::span).collect(),
             other_rate: None,
+            other_duration: None,
             sentence,
         };
         form.complete_from_sentence();
@@ -286,6 +288,9 @@ impl Reader<'_> {
             };
         }
         form.other_rate = other_rate(self.source, &text.text, threshold);
+        form.other_duration = form.sentence.as_ref().and_then(|sentence| {
+            other_duration(self.source, &text.text, sentence, self.sentences.step_secs)
+        });
         self.check_property(&form)?;
         let carries_over = carried(text.carries_over, &id);
         let requirement = Requirement {
@@ -381,6 +386,7 @@ impl Reader<'_> {
             experiment: self.experiment(text.experiment)?,
             carried_at: Vec::new(),
             other_rate: None,
+            other_duration: None,
         };
         self.check_property(&form)?;
         form.monitored = self.monitored(&form);
