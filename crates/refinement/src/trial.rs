@@ -64,6 +64,15 @@ impl Trial {
     pub fn is_harmful(&self) -> bool {
         !(self.breaks.is_empty() && self.against_majority.is_empty())
     }
+
+    /// Takes a pair as repaired or broken, if it is.
+    pub fn weigh(&mut self, touch: Touch) {
+        match (touch.before > STRONG, touch.after > STRONG) {
+            (true, false) => self.repairs.push(touch),
+            (false, true) => self.breaks.push(touch),
+            _ => {}
+        }
+    }
 }
 
 impl Ground<'_> {

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Examples:
   corroborate refine my-study                    show what is offered, as diffs
+  corroborate refine my-study --fit              run simulators that are commands for the values, too
   corroborate refine my-study --accept 1 --accept 3
   corroborate refine my-study --all --rounds 5 --to refined
 
@@ -31,6 +32,9 @@ pub struct Refine {
     /// Accept all that needs no decision.
     #[arg(long)]
     pub all: bool,
+    /// Search commands' files for the numbers first, so that values and diffs are shown: up to 14 times the episodes a number.
+    #[arg(long)]
+    pub fit: bool,
     /// Go on refining the models that result, so many times in all.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=20))]
     pub rounds: u16,

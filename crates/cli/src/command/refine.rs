@@ -19,6 +19,7 @@ pub fn refine(arguments: &Refine, setting: &Host) -> Result<Done, Problem> {
             false => Accept::Numbers(arguments.accept.clone()),
         },
         rounds: usize::from(arguments.rounds),
+        fit: arguments.fit,
         episodes: arguments.episodes,
         to: arguments.to.clone(),
         out: arguments.out.clone(),

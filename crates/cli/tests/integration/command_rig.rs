@@ -218,3 +218,58 @@ fn a_key_that_the_stimulus_does_not_set_is_not_fitted() {
         assert!(said.talk.contains(message), "{message}: {said:?}");
     }
 }
+
+/// A brake that is set too weak: which number it is, and its value, is found by running the simulator before anything is
+/// accepted; what the counts do not tell apart is said.
+#[test]
+fn a_wrong_setting_is_offered_with_its_value_once_the_simulator_was_run() {
+    let folder = calibrating(CALIBRATION);
+    std::fs::remove_file(folder.path().join("calibration.toml")).expect("removed");
+    for (file, old, new) in [
+        (
+            "stimulus.toml",
+            "braking_cm_per_s2\" = 60",
+            "braking_cm_per_s2\" = 20",
+        ),
+        ("ledger.toml", "episodes = 40", "episodes = 12"),
+        ("floor.csv", "stops,40,30,10", "clear,400,399,1"),
+    ] {
+        let path = folder.path().join(file);
+        let text = read(&path);
+        assert!(text.contains(old), "{file} has no `{old}`");
+        std::fs::write(&path, text.replace(old, new)).expect("written");
+    }
+    let arguments = ["refine", ".", "--fit", "--accept", "1", "--format", "json"];
+    let said = corroborate(folder.path(), &arguments);
+    assert!([0, 1, 3].contains(&said.code), "{said:?}");
+    let report = json(&said);
+    holds_to("refine.schema.json", &report);
+    let offered = &report["proposals"][0];
+    let text = |key: &str| offered[key].as_str().expect("a text").to_owned();
+    assert!(text("title").starts_with("sim: cart."), "{offered}");
+    let diff = text("diff");
+    assert!(diff.contains("+++ stimulus-r1.toml"), "{diff}");
+    // Both a weak brake and a fast cart come too far, and nothing was counted of either.
+    let notes = offered["notes"].to_string();
+    let names = ["cart.braking_cm_per_s2", "cart.speed_cm_per_s"];
+    let changed = names.map(|name| diff.contains(&format!("+\"{name}\"")));
+    assert_eq!(changed.iter().filter(|it| **it).count(), 1, "{diff}");
+    let other = if changed[0] { names[1] } else { names[0] };
+    assert!(
+        notes.contains("does not tell it from") && notes.contains(other),
+        "{notes}"
+    );
+    let repaired = offered["tried"]["repairs"].as_array().expect("repairs");
+    assert!(
+        repaired.iter().any(|it| it["evidence"] == "floor"),
+        "{offered}"
+    );
+    // What was shown is what is written.
+    let kept = read(&folder.path().join("stimulus-r1.toml"));
+    let line = diff.lines().find(|it| it.starts_with("+\"cart."));
+    assert!(
+        line.is_some_and(|line| kept.contains(&line[1..])),
+        "{kept}\n{diff}"
+    );
+    assert!(report["applied"].to_string().contains("sim-r1"), "{report}");
+}

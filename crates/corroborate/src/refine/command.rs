@@ -17,7 +17,7 @@
 //!
 //! # Cost
 //! For each named number at most [`refinement::MOST_RUNS_OF_A_FIT`] times the entry's episodes, and nothing before the
-//! proposal is accepted. A simulator that hangs with a value is given `PATIENCE` times as long as its slowest episode.
+//! proposal is accepted, or the search is asked for ([`search`]). A simulator that hangs with a value is given `PATIENCE` times as long as its slowest episode.
 
 use super::apply::{Applied, append_to_ledger};
 use super::ledger_text::{Names, NewEntry, SetTo};
@@ -65,6 +65,28 @@ pub struct CommandFit {
     pub subject: Subject,
     /// The counts.
     pub counts: Counts,
+    /// What a search found already.
+    pub found: Option<FoundNumber>,
+}
+
+/// A number that brings the subject to its counts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundNumber {
+    /// The file.
+    pub file: String,
+    /// The number in it.
+    number: NamedNumber,
+    /// The value, and how often the subject comes with it.
+    tried: Tried,
+}
+
+impl FoundNumber {
+    fn in_words(&self) -> String {
+        format!(
+            "{} of {} set from {} to {:.6}",
+            self.number.name, self.file, self.number.value, self.tried.value
+        )
+    }
 }
 
 /// What is offered for a command that is suspected for these failure modes, or for what its suspect is named for.
@@ -135,7 +157,7 @@ pub(super) fn of_command(
         notes: vec![
             format!(
                 "Which number, and its value, is found by running the command: at most {} times {} episodes for each number \
-                 with a name. Nothing is run before this is accepted; the old file stays.",
+                 with a name. Nothing is run before this is accepted, or `--fit` asks for it; the old file stays.",
                 refinement::MOST_RUNS_OF_A_FIT,
                 entry.work.episodes()
             ),
@@ -151,6 +173,7 @@ pub(super) fn of_command(
             files: files.clone(),
             subject,
             counts,
+            found: None,
         }),
     });
     Ok(())
@@ -184,17 +207,12 @@ fn predicted(
         let Some(theirs) = theirs else {
             continue;
         };
-        let touch = Touch {
+        trial.weigh(Touch {
             evidence: other.id.clone(),
             subject: subject.clone(),
             before: strength(was, theirs, margin),
             after: strength(is, theirs, margin),
-        };
-        match (touch.before > STRONG, touch.after > STRONG) {
-            (true, false) => trial.repairs.push(touch),
-            (false, true) => trial.breaks.push(touch),
-            _ => {}
-        }
+        });
     }
     trial
 }
@@ -253,8 +271,9 @@ fn shown(path: &Path) -> String {
 
 /// A number with the value that was found for it.
 struct Candidate {
-    number: NamedNumber,
-    tried: Tried,
+    found: FoundNumber,
+    /// What the simulator shows with it.
+    findings: Vec<Finding>,
     /// Disagreement with all other evidence that is left.
     left: f64,
 }
@@ -262,11 +281,56 @@ struct Candidate {
 impl Candidate {
     /// How much it changes.
     fn size(&self) -> f64 {
-        (self.tried.value / self.number.value).ln().abs()
+        (self.found.tried.value / self.found.number.value)
+            .ln()
+            .abs()
     }
 }
 
-/// Finds the number, and writes the changed file and the entry that simulates with it.
+/// Searches for the number of a proposal, which then shows its value, its diff and what it does to the agreement with all
+/// other evidence. Without one the proposal is none; what is said of that is returned.
+pub(super) fn search(
+    study: &Study,
+    result: &StudyResult,
+    proposal: &mut Proposal,
+    setting: &Host,
+) -> Result<Option<String>, Problem> {
+    let Change::FitCommand(wanted) = &mut proposal.change else {
+        return Ok(None);
+    };
+    let asked = wanted.clone();
+    let fitting = Fitting::new(study, result, &asked, setting)?;
+    let mut best = fitting.best_of_files()?.into_iter();
+    let Some(first) = best.next() else {
+        return Ok(Some(none_found(&asked)));
+    };
+    let others: Vec<String> = best.map(|it| it.found.in_words()).collect();
+    let found = &first.found;
+    let text = host::files::read_source(&study.folder.join(&found.file))?.text;
+    let changed = found.number.set(&text, found.tried.value);
+    let target = Names::free_model(&study.folder, Path::new(&found.file), &[]);
+    proposal.title = format!("{}: {}", asked.entry, found.in_words());
+    proposal.diff = refinement::unified(&found.file, &target, &text, &changed);
+    proposal.also.clear();
+    proposal.file.clone_from(&found.file);
+    proposal.tried = fitting.tried(&first.findings);
+    proposal.notes[0] = format!(
+        "It was run: {} comes in {:.4} of {} episodes then.",
+        name_of(&asked.subject),
+        found.tried.rate,
+        fitting.episodes
+    );
+    if !others.is_empty() {
+        let others = others.join(", or ");
+        proposal
+            .notes
+            .insert(1, format!("The evidence does not tell it from {others}."));
+    }
+    wanted.found = Some(first.found);
+    Ok(None)
+}
+
+/// Finds the number, if that is not done, and writes the changed file and the entry that simulates with it.
 pub fn fit(
     study: &Study,
     result: &StudyResult,
@@ -275,26 +339,33 @@ pub fn fit(
 ) -> Result<Applied, Problem> {
     let entry = study.entry(&wanted.entry)?;
     let fitting = Fitting::new(study, result, wanted, setting)?;
-    for file in &wanted.files {
-        let text = host::files::read_source(&study.folder.join(file))?.text;
-        if let Some(found) = fitting.best(file, &text)? {
-            let target = Names::free_model(&study.folder, Path::new(file), &[]);
-            let changed = found.number.set(&text, found.tried.value);
-            write_whole(&study.folder.join(&target), changed.as_bytes())?;
-            return fitting.keep(entry, (file, &target), &found);
+    let found = match &wanted.found {
+        Some(found) => Some(found.clone()),
+        None => {
+            let best = fitting.best_of_files()?.into_iter().next();
+            best.map(|it| it.found)
         }
-    }
-    Err(Problem::new(
-        "cannot-refine",
-        format!(
-            "{}: no named number of {} brings {} to {} without new disagreement",
-            wanted.entry,
-            wanted.files.join(" or "),
-            name_of(&wanted.subject),
-            wanted.counts.words()
-        ),
+    };
+    let Some(found) = found else {
+        return Err(Problem::new("cannot-refine", none_found(wanted)).remedy(
+            "more than one number may be wrong, or what the program does; look at the witnesses of `diagnose`",
+        ));
+    };
+    let text = host::files::read_source(&study.folder.join(&found.file))?.text;
+    let target = Names::free_model(&study.folder, Path::new(&found.file), &[]);
+    let changed = found.number.set(&text, found.tried.value);
+    write_whole(&study.folder.join(&target), changed.as_bytes())?;
+    fitting.keep(entry, &target, &found)
+}
+
+fn none_found(wanted: &CommandFit) -> String {
+    format!(
+        "{}: no named number of {} brings {} to {} without new disagreement",
+        wanted.entry,
+        wanted.files.join(" or "),
+        name_of(&wanted.subject),
+        wanted.counts.words()
     )
-    .remedy("more than one number may be wrong, or what the program does; look at the witnesses of `diagnose`"))
 }
 
 /// What a fit needs.
@@ -351,8 +422,21 @@ impl<'a> Fitting<'a> {
         Ok(fitting)
     }
 
-    /// The number of a file with which the simulator disagrees least with all other evidence, if one gives the rate.
-    fn best(&self, file: &str, text: &str) -> Result<Option<Candidate>, Problem> {
+    /// What is best of the first file that has a number which gives the rate.
+    fn best_of_files(&self) -> Result<Vec<Candidate>, Problem> {
+        for file in &self.wanted.files {
+            let text = host::files::read_source(&self.study.folder.join(file))?.text;
+            let best = self.best(file, &text)?;
+            if !best.is_empty() {
+                return Ok(best);
+            }
+        }
+        Ok(Vec::new())
+    }
+
+    /// The numbers of a file that give the rate and with which the simulator disagrees least with all other evidence, the one
+    /// that changes least first.
+    fn best(&self, file: &str, text: &str) -> Result<Vec<Candidate>, Problem> {
         let now = rate_of(&self.piece.findings, &self.wanted.subject);
         let before = self.disagreement(&self.piece.findings);
         let mut found: Vec<Candidate> = Vec::new();
@@ -380,20 +464,51 @@ impl<'a> Fitting<'a> {
                 None => None,
             };
             if let Some(tried) = tried
-                && let Some(all) = self.with(file, &number.set(text, tried.value), self.episodes)?
+                && let Some(findings) =
+                    self.with(file, &number.set(text, tried.value), self.episodes)?
             {
-                let left = self.disagreement(&all);
+                let left = self.disagreement(&findings);
+                let file = file.to_owned();
                 found.push(Candidate {
-                    number,
-                    tried,
+                    found: FoundNumber {
+                        file,
+                        number,
+                        tried,
+                    },
+                    findings,
                     left,
                 });
             }
         }
         found.retain(|it| it.left < before && it.left_on_subject_is_small(self));
         let least = found.iter().map(|it| it.left).fold(f64::INFINITY, f64::min);
-        let good = found.into_iter().filter(|it| it.left <= least + AS_GOOD);
-        Ok(good.min_by(|a, b| a.size().total_cmp(&b.size())))
+        found.retain(|it| it.left <= least + AS_GOOD);
+        found.sort_by(|a, b| a.size().total_cmp(&b.size()));
+        Ok(found)
+    }
+
+    /// What findings in place of the simulator's do to its agreement with the other evidence.
+    fn tried(&self, findings: &[Finding]) -> Trial {
+        let mut trial = Trial::default();
+        let ground = super::proposal::ground(self.study, self.result);
+        for other in others(self.result, self.piece) {
+            for finding in findings {
+                let subject = &finding.subject;
+                let was = Rate::on(self.piece, subject);
+                let rates = was.zip(Rate::of(finding)).zip(Rate::on(other, subject));
+                let Some(((was, is), theirs)) = rates else {
+                    continue;
+                };
+                let margin = ground.margin(subject);
+                trial.weigh(Touch {
+                    evidence: other.id.clone(),
+                    subject: subject.clone(),
+                    before: strength(was, theirs, margin),
+                    after: strength(is, theirs, margin),
+                });
+            }
+        }
+        trial
     }
 
     /// The findings with a file in place of another; none where the simulator does not run.
@@ -491,12 +606,8 @@ impl<'a> Fitting<'a> {
     }
 
     /// Writes the entry that simulates with the changed file.
-    fn keep(
-        &self,
-        entry: &Entry,
-        (file, target): (&str, &str),
-        found: &Candidate,
-    ) -> Result<Applied, Problem> {
+    fn keep(&self, entry: &Entry, target: &str, found: &FoundNumber) -> Result<Applied, Problem> {
+        let file = found.file.as_str();
         let words = self.command.command.iter().map(|word| match word == file {
             true => target.into(),
             false => word.clone().into(),
@@ -536,10 +647,8 @@ impl<'a> Fitting<'a> {
         });
         let id = Names::next_id(self.study, &entry.id, &[]);
         let what = format!(
-            "{} of {file} set from {} to {:.6}, with which {} comes in {:.4} of the episodes ({} counted)",
-            found.number.name,
-            found.number.value,
-            found.tried.value,
+            "{}, with which {} comes in {:.4} of the episodes ({} counted)",
+            found.in_words(),
             name_of(&self.wanted.subject),
             found.tried.rate,
             self.wanted.counts.words()
@@ -566,7 +675,7 @@ impl<'a> Fitting<'a> {
 impl Candidate {
     /// Whether the wanted rate was reached: what is left of the difference is not strong evidence of one.
     fn left_on_subject_is_small(&self, of: &Fitting<'_>) -> bool {
-        let share = self.tried.rate;
+        let share = self.found.tried.rate;
         let own = Rate::Counted {
             count: share * of.episodes as f64,
             open: 0.0,

@@ -1,12 +1,13 @@
 //! Proposals: what may be changed, why, and what it is predicted to do.
 
-use super::command::CommandFit;
+use super::command::{CommandFit, search};
 use super::ledger_text::Names;
 use super::one_value::OneValue;
 use super::simulator::Recalibration;
 use super::solver::Solver;
 use diagnostic::Problem;
 use evidence::{StudyResult, Subject};
+use host::Host;
 use refinement::{
     Asked, Changed, Counts, Exchange, FormChange, Ground, Model, ModelChange, ModelOffers, SAME,
     TextChange, Trial, Values, rate_of, unified,
@@ -131,6 +132,25 @@ impl Offered {
     pub(super) fn add(&mut self, mut proposal: Proposal) {
         proposal.number = self.proposals.len() + 1;
         self.proposals.push(proposal);
+    }
+
+    /// Searches for the numbers of commands' files that are offered; what has none is not offered.
+    pub(super) fn fit(
+        &mut self,
+        study: &Study,
+        result: &StudyResult,
+        setting: &Host,
+    ) -> Result<(), Problem> {
+        let mut kept = Vec::new();
+        for mut proposal in std::mem::take(&mut self.proposals) {
+            match search(study, result, &mut proposal, setting)? {
+                Some(why) => self.refused.push(format!("{why}.")),
+                None => kept.push(proposal),
+            }
+        }
+        self.proposals = kept;
+        self.in_order();
+        Ok(())
     }
 
     /// Leaves open what is set to counts that may be those of something else: an exchange that explains a disagreement better than

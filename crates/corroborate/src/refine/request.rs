@@ -42,6 +42,9 @@ pub struct RefineRequest {
     pub accept: Accept,
     /// How often models that result are refined again, at least once.
     pub rounds: usize,
+    /// Whether numbers of commands' files are searched for before they are offered: at most
+    /// [`refinement::MOST_RUNS_OF_A_FIT`] times an entry's episodes for each number.
+    pub fit: bool,
     /// Episodes of a simulation that is fitted again; as many as before if `None`.
     pub episodes: Option<u64>,
     /// A new or empty folder in which a copy of the study is made and worked on, instead of in the study.
@@ -58,6 +61,7 @@ impl RefineRequest {
             suspect: None,
             accept: Accept::Nothing,
             rounds: 1,
+            fit: false,
             episodes: None,
             to: None,
             out: None,
@@ -103,6 +107,9 @@ pub fn refine(
         offered
             .proposals
             .retain(|proposal| proposal.suspect == Some(suspect));
+    }
+    if request.fit {
+        offered.fit(&study, &before, host)?;
     }
     let accepted = accepted(&request.accept, &offered.proposals)?;
     let applier = Applier {
