@@ -45,7 +45,7 @@ mod untriggered;
 mod voices;
 
 pub use cells::{CellPlace, VerdictCounts};
-pub use columns::has_columns_exchanged;
+pub use columns::{ExchangedColumns, exchanged_columns};
 pub use contrast::{SameTraces, contrasts};
 pub use exchanged::put_right;
 pub use matter::{Clue, Counted, Matter, TableOf, requirement_form, system_model};

@@ -52,11 +52,11 @@ pub use conclude::threshold::{Deciding, NotPlanned};
 pub use conclude::{AS_ALIKE, CERTAINTY, conclude, effective_size};
 pub use description::DescriptionGap;
 pub use diagnose::{
-    CERTAIN, Cell, CellPlace, Clue, Contrast, Counted, Diagnosis, Effort, Figure, HALF_STEP,
-    JudgedBy, Matter, MixedUp, Rate, STRONG, SameTraces, Suspect, SuspectAsset, SuspectKind,
-    Symptom, TableOf, Traces, VerdictCounts, Witness, contrasts, has_columns_exchanged, mixed_up,
-    put_right, rank, requirement_form, share_assumption, signed_strength, strength, system_model,
-    voices,
+    CERTAIN, Cell, CellPlace, Clue, Contrast, Counted, Diagnosis, Effort, ExchangedColumns, Figure,
+    HALF_STEP, JudgedBy, Matter, MixedUp, Rate, STRONG, SameTraces, Suspect, SuspectAsset,
+    SuspectKind, Symptom, TableOf, Traces, VerdictCounts, Witness, contrasts, exchanged_columns,
+    mixed_up, put_right, rank, requirement_form, share_assumption, signed_strength, strength,
+    system_model, voices,
 };
 pub use disagreement::{
     ContextParameter, ContextRange, ContextRegion, DisagreementMap, MapPlace, RegionOutcome,

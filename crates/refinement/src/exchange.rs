@@ -32,6 +32,13 @@ pub enum Exchange {
         /// The headers.
         headers: [String; 2],
     },
+    /// The cells of two columns, in some rows.
+    InRows {
+        /// The headers of the columns.
+        headers: [String; 2],
+        /// What stands in the first cell of the rows.
+        rows: Vec<String>,
+    },
     /// Two codes in a column.
     Codes {
         /// The column's header.
@@ -65,6 +72,7 @@ impl Exchange {
                 all.swap(places[0], places[1]);
                 Ok(all.join(",") + rest)
             }
+            Self::InRows { headers, rows } => in_rows(text, headers, rows),
             Self::Codes { header, codes } => self::codes(text, header, codes),
             Self::Columns { propositions } => columns(text, propositions),
         }
@@ -110,6 +118,31 @@ fn cells(text: &str, modes: &[String; 2], place: usize) -> Result<String, String
         changed.push_str(&all.join(","));
     }
     Ok(changed)
+}
+
+/// The cells of two columns change places in the rows of these names.
+fn in_rows(text: &str, headers: &[String; 2], rows: &[String]) -> Result<String, String> {
+    let places = [place_of(text, &headers[0])?, place_of(text, &headers[1])?];
+    let mut missing: Vec<&String> = rows.iter().collect();
+    let mut changed = String::with_capacity(text.len());
+    for (number, line) in text.split_inclusive('\n').enumerate() {
+        let body = line.trim_end_matches(['\n', '\r']);
+        let mut cells: Vec<&str> = body.split(',').collect();
+        let name = cells.first().map_or("", |it| it.trim());
+        let is_wanted = number > 0 && rows.iter().any(|row| row == name);
+        if !is_wanted || places.iter().any(|place| *place >= cells.len()) {
+            changed.push_str(line);
+            continue;
+        }
+        missing.retain(|row| *row != name);
+        cells.swap(places[0], places[1]);
+        changed.push_str(&cells.join(","));
+        changed.push_str(&line[body.len()..]);
+    }
+    match missing.first() {
+        Some(row) => Err(format!("the table has no row `{row}`")),
+        None => Ok(changed),
+    }
 }
 
 /// Two codes in the cells of a column change places.
@@ -170,6 +203,18 @@ mod tests {
         let made = exchange.make(text).expect("it can be made");
         assert_eq!(made, wanted);
         assert_eq!(exchange.make(&made).as_deref(), Ok(text));
+    }
+
+    #[test]
+    fn cells_change_places_in_the_rows_that_are_named() {
+        let text = "requirement,covered,passed,failed\na,9,8,1\r\nb,9, 2,7\n";
+        let wanted = "requirement,covered,passed,failed\na,9,8,1\r\nb,9,7, 2\n";
+        let of = |row: &str| Exchange::InRows {
+            headers: pair("passed", "failed"),
+            rows: vec![row.to_owned()],
+        };
+        gives(&of("b"), text, wanted);
+        assert!(of("c").make(text).is_err());
     }
 
     #[test]

@@ -153,7 +153,9 @@ impl Ground<'_> {
         };
         let level = (1.0 - self.confidence) / tests as f64;
         let is_unlikely = counts.p_value(rate).is_some_and(|p| p < level);
-        distance > SAME && (distance > margin || is_unlikely)
+        distance > SAME
+            && (distance > margin || is_unlikely)
+            && !self.is_agreed(own, counts, &subject)
     }
 }
 

@@ -13,7 +13,7 @@
 //! | data | two failure modes change places, in all texts that count them, if that explains what the table differs in |
 //!
 //! *Two failure modes* or *two requirements* of a table were mixed up as [`evidence::mixed_up`] defines it, its *columns* as
-//! [`evidence::has_columns_exchanged`] does.
+//! [`evidence::exchanged_columns`] does.
 //!
 //! A simulation that nothing is held against is offered the same fit if a failure mode's counts differ from those it may be
 //! set to with a p-value below the study's level, as a model's rate is ([`Ground::of_model`]).
@@ -30,7 +30,7 @@ use crate::model_offers::{Ground, Model};
 use crate::text_change::{TextChange, steps};
 use crate::trial::Trial;
 use evidence::{
-    Evidence, Measure, Subject, Suspect, SuspectKind, Symptom, has_columns_exchanged, mixed_up,
+    Evidence, Measure, Subject, Suspect, SuspectKind, Symptom, exchanged_columns, mixed_up,
 };
 
 /// The part of the margin that may be left of a step's error.
@@ -64,6 +64,8 @@ pub enum Offer {
     Columns {
         /// The evidence that rests on the table.
         evidence: String,
+        /// The requirements in whose rows they do; none for all.
+        rows: Vec<String>,
     },
     /// Two failure modes, or two requirements, of a table change places, in all texts that count them.
     Exchange {
@@ -515,8 +517,10 @@ impl<'g> Ground<'g> {
         let margin = |subject: &Subject| self.margin(subject);
         let offers = pieces.filter_map(|piece| {
             let evidence = piece.id.clone();
-            if has_columns_exchanged(self.evidence, piece, &margin) {
-                return Some(Offer::Columns { evidence });
+            if let Some(found) = exchanged_columns(self.evidence, piece, &margin) {
+                let rows = found.rows.iter().filter(|_| !found.are_all);
+                let rows = rows.map(|subject| subject.id().to_owned()).collect();
+                return Some(Offer::Columns { evidence, rows });
             }
             let found = mixed_up(self.evidence, piece, &margin)?;
             Some(Offer::Exchange {

@@ -27,7 +27,7 @@ use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::named_numbers::{NamedNumber, named_numbers};
 use crate::number::{Number, numbers};
 use crate::solve::{Scale, crossing};
-use evidence::{Evidence, Measure, STRONG, Subject};
+use evidence::{Evidence, Measure, Outcome, STRONG, Subject};
 
 /// Numbers that are solved for, at most: those that come first in the text.
 const MOST_NUMBERS: u64 = 40;
@@ -158,7 +158,8 @@ impl Ground<'_> {
             );
             let counts = anchors(self.evidence, own, subject).into_iter().next()?;
             let apart = self.strongest(own, subject, *value);
-            (is_this && apart > STRONG && !self.asks_for_something_else(subject)).then(|| Wanted {
+            let is_apart = apart > STRONG && !self.is_agreed(own, &counts, subject);
+            (is_this && is_apart && !self.asks_for_something_else(subject)).then(|| Wanted {
                 subject: subject.clone(),
                 counts,
                 apart,
@@ -167,6 +168,18 @@ impl Ground<'_> {
         let mut wanted: Vec<Wanted> = wanted.collect();
         wanted.sort_by(|a, b| b.apart.total_cmp(&a.apart));
         wanted
+    }
+
+    /// Whether the model and what was counted agree by their comparison, which knows the whole range of a decision process.
+    pub(crate) fn is_agreed(&self, own: &Evidence, counts: &Counts, subject: &Subject) -> bool {
+        let pair = [&own.id, &counts.evidence];
+        let mut all = self.comparisons.iter();
+        all.any(|it| {
+            &it.subject == subject
+                && it.outcome == Outcome::Corroborates
+                && pair.contains(&&it.left)
+                && pair.contains(&&it.right)
+        })
     }
 
     /// Whether its property judges some run otherwise than its sentence: no number of the model makes up for that.

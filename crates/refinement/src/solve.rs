@@ -21,6 +21,9 @@
 /// The relative error of the rate at which the search ends.
 pub(crate) const CLOSE: f64 = 1e-4;
 
+/// How far a positive number is moved at most, in its logarithm: by a factor of some thousand, as units differ.
+const FARTHEST_LOG: f64 = 7.2;
+
 /// Constants nearer to 0 or 1 than this are not tried.
 const LEAST: f64 = 1e-9;
 
@@ -84,6 +87,11 @@ pub(crate) fn crossing(
     if is_close(first, target) {
         return Some(start);
     }
+    // Solutions in continuous time cost as much as the rate is large.
+    let farthest = match scale {
+        Scale::Odds => farthest,
+        Scale::Log => farthest.min(FARTHEST_LOG),
+    };
     // Both directions in turn: which of them raises the rate is not known before.
     let mut ends = [(origin, first, true), (origin, first, true)];
     let mut step = 1.0_f64;
@@ -92,8 +100,11 @@ pub(crate) fn crossing(
         let next = step.min(farthest);
         for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
             let (low, of_low, goes_on) = *end;
+            if !goes_on {
+                continue;
+            }
             let high = origin + sign * next;
-            let Some(of_high) = at(high).filter(|_| goes_on) else {
+            let Some(of_high) = at(high) else {
                 // Beyond a value at which the model is not valid nothing is looked for.
                 end.2 = false;
                 continue;

@@ -108,6 +108,22 @@ impl Ground<'_> {
         own.map(of_subject).sum()
     }
 
+    /// The subject on which a model with these values disagrees most with other evidence, and how strongly.
+    #[must_use]
+    pub fn most_disagreement<'v>(
+        &self,
+        target: &str,
+        values: &'v Values,
+    ) -> Option<(&'v Subject, f64)> {
+        let own = self.evidence.iter().find(|piece| piece.id == target)?;
+        let subjects = values.iter().filter(|(subject, _)| self.is_own(subject));
+        let apart = subjects.map(|(subject, value)| {
+            let apart = self.strongest(own, subject, *value);
+            (subject, apart)
+        });
+        apart.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// Requirements that differ only in a threshold count once.
     pub(crate) fn is_own(&self, subject: &Subject) -> bool {
         let mut all = self.requirements.iter();

@@ -308,7 +308,8 @@ pub fn whole_counts(sample: Sample, effective: EffectiveSample) -> Vec<Sample> {
         return vec![sample];
     }
     let trials = effective.trials.floor().max(1.0);
-    let successes = trials * effective.successes / effective.trials;
+    // Rounded, a rate of 1 can come out above it: no count has more successes than trials.
+    let successes = (trials * effective.successes / effective.trials).min(trials);
     let whole = |successes: f64| Sample {
         successes: successes as u64,
         trials: trials as u64,
@@ -324,6 +325,26 @@ pub fn whole_counts(sample: Sample, effective: EffectiveSample) -> Vec<Sample> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Of samples that always succeed as of others: what was rounded is a sample, and one of its neighbours.
+    #[test]
+    fn whole_counts_have_no_more_successes_than_trials() {
+        let sample = Sample::new(240, 240).expect("counts");
+        for step in 0..4000 {
+            let trials = 1.0 + f64::from(step) * 0.059_7;
+            for successes in [trials, trials * (1.0 + 1e-15), trials * 0.87, 0.0] {
+                let effective = EffectiveSample { successes, trials };
+                for whole in whole_counts(sample, effective) {
+                    assert!(whole.is_informative(), "{effective:?} {whole:?}");
+                    let expected = whole.trials as f64 * (successes / trials).min(1.0);
+                    assert!(
+                        (whole.successes as f64 - expected).abs() <= 1.0,
+                        "{whole:?}"
+                    );
+                }
+            }
+        }
+    }
 
     #[test]
     fn contradictory_counts_are_refused_and_carry_no_information() {

@@ -44,18 +44,31 @@ pub(super) fn of_exchange(
     offer(suspect, title, texts(study, mixed)?, study, offered)
 }
 
-/// The proposal with which the columns of a piece's table of requirements change places.
+/// The proposal with which the columns of a piece's table of requirements change places, in these rows or in all.
 pub(super) fn of_columns(
     study: &Study,
     suspect: &Suspect,
-    evidence: &str,
+    (evidence, rows): (&str, &[String]),
     offered: &mut Offered,
 ) -> Result<(), Problem> {
     let tables = study.entry(evidence)?.work.tables();
     let headers = ["passed", "failed"].map(str::to_owned);
-    let exchange = |file| (shown(file), Exchange::Headers { headers });
-    let texts = tables.and_then(|tables| tables.requirements).map(exchange);
-    let title = format!("{evidence}: `passed` and `failed` exchanged");
+    let of_rows = rows.to_vec();
+    let exchange = match of_rows.is_empty() {
+        true => Exchange::Headers { headers },
+        false => Exchange::InRows {
+            headers,
+            rows: of_rows,
+        },
+    };
+    let file = tables.and_then(|tables| tables.requirements);
+    let texts = file.map(|file| (shown(file), exchange));
+    let place = match rows {
+        [] => String::new(),
+        [row] => format!(" in the row `{row}`"),
+        rows => format!(" in the rows `{}`", rows.join("`, `")),
+    };
+    let title = format!("{evidence}: `passed` and `failed` exchanged{place}");
     offer(suspect, title, texts.into_iter().collect(), study, offered)
 }
 

@@ -6,7 +6,7 @@ use super::one_value::OneValue;
 use super::simulator::Recalibration;
 use super::solver::Solver;
 use diagnostic::Problem;
-use evidence::{StudyResult, Subject};
+use evidence::{StudyResult, Subject, Suspect, Symptom};
 use host::Host;
 use refinement::{
     Asked, Changed, Counts, Exchange, FormChange, Ground, Model, ModelChange, ModelOffers, SAME,
@@ -16,6 +16,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use study::{Entry, Simulated, Study, quoted_names};
+
+/// The share of a conflict that an edit explains at the least for a model's number to wait for it.
+const LEAST_SHARE: f64 = 0.05;
 
 /// One change that is offered.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -70,8 +73,7 @@ impl Proposal {
 
     /// Whether nothing is suspected for it, and it mends no strong disagreement.
     pub(super) fn is_idle(&self) -> bool {
-        let repairs = !(self.tried.repairs.is_empty() && self.tried.sides.is_empty());
-        self.suspect.is_none() && !repairs
+        self.suspect.is_none() && self.tried.repairs.is_empty()
     }
 
     /// Whether it moves the value of one of these, or fits a simulation.
@@ -172,6 +174,40 @@ impl Offered {
                         "Decide on {number} first: if two things have each other's counts, this sets a value to the wrong ones."
                     ));
                 }
+            }
+        }
+    }
+
+    /// Leaves open what sets a model's number on a subject that an edit of another text explains, too: which of both is wrong
+    /// the evidence does not say, and a right model must not be made to fit a wrong word.
+    pub(super) fn await_edits(&mut self, suspects: &[Suspect]) {
+        for proposal in &mut self.proposals {
+            let Change::Model { entry, change } = &proposal.change else {
+                continue;
+            };
+            let subject = change.subject();
+            let explains = |suspect: &&Suspect| {
+                suspect.is_open()
+                    && suspect.symptoms.iter().any(|symptom| match symptom {
+                        Symptom::EditExplains {
+                            subject: of,
+                            pairs,
+                            share,
+                            ..
+                        } => {
+                            *of == subject
+                                && *share >= LEAST_SHARE
+                                && pairs.iter().any(|pair| pair.contains(entry))
+                        }
+                        _ => false,
+                    })
+            };
+            if let Some(other) = suspects.iter().find(explains) {
+                proposal.needs_decision = true;
+                proposal.notes.push(format!(
+                    "Decide on suspect {} first: {}, too, and then this number is right as it is.",
+                    other.rank, other.title
+                ));
             }
         }
     }
@@ -313,7 +349,7 @@ pub fn model_proposal(
     );
     let is_a_guess = !changed.alternatives.is_empty() || (is_fitted && suspect != Some(1));
     // What is right within the margin, or as far as chance tells, is not to be changed without being looked at.
-    let repairs_nothing = tried.repairs.is_empty() && tried.sides.is_empty();
+    let repairs_nothing = tried.repairs.is_empty();
     if repairs_nothing {
         notes.push(
             "It mends no disagreement that is strong: the counts may differ from the model by chance, or for a reason that \

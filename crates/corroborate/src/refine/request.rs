@@ -102,6 +102,8 @@ pub fn refine(
     let study = Study::load(&folder)?;
     let solver = Solver::new(&study, &host.cancel);
     let mut offered = offered(&study, &before, &solver)?;
+    // What was interrupted is no answer: a number that was not solved for would be said to have no value.
+    host.go_on()?;
     if let Some(suspect) = request.suspect {
         known_suspect(&before, suspect)?;
         offered

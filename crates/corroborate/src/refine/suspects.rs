@@ -16,7 +16,7 @@ use super::solver::Solver;
 use super::texts;
 use crate::technique::matrix::edits::scratch::Scratch;
 use diagnostic::Problem;
-use evidence::{StudyResult, Subject, Suspect, Symptom};
+use evidence::{STRONG, StudyResult, Subject, Suspect, Symptom};
 use refinement::{FormChange, Model, Offer, Ranked, TextChange, Trial, unified};
 use std::path::{Path, PathBuf};
 use study::{Simulated, Study};
@@ -81,6 +81,7 @@ pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<O
         .map(|it| (it.rank, it.subjects.as_slice()))
         .collect();
     offered.await_exchanges(&touched);
+    offered.await_edits(result.suspected());
     Ok(offered)
 }
 
@@ -116,7 +117,17 @@ impl Offering<'_> {
                     let before = self.solver.values(asset.path, asset.text)?;
                     let change = (change, *changed);
                     let tried = tried.unwrap_or_default();
-                    let new = model_proposal(self.result, asset, &before, (suspect, tried), change);
+                    let ground = ground(self.study, self.result);
+                    let left = ground.most_disagreement(&evidence, change.1.at_last());
+                    let mut new =
+                        model_proposal(self.result, asset, &before, (suspect, tried), change);
+                    if let Some((subject, _)) = left.filter(|(_, left)| *left > STRONG) {
+                        new.needs_decision = true;
+                        new.notes.push(format!(
+                            "The model still disagrees on {} then: what is wrong may lie elsewhere.",
+                            subject.in_words()
+                        ));
+                    }
                     self.offered.add(new);
                 }
             }
@@ -165,8 +176,8 @@ impl Offering<'_> {
                 };
                 of_exchange(self.study, of, &mixed, &mut self.offered)?;
             }
-            (Offer::Columns { evidence }, Some(of)) => {
-                of_columns(self.study, of, &evidence, &mut self.offered)?;
+            (Offer::Columns { evidence, rows }, Some(of)) => {
+                of_columns(self.study, of, (&evidence, &rows), &mut self.offered)?;
             }
             (
                 Offer::Form(_)

@@ -232,6 +232,17 @@ impl Belief {
         }
     }
 
+    /// How wide a range over all schedulers is; none if it is no such range.
+    pub fn width_of_range(&self) -> Option<f64> {
+        let is_range = match self {
+            Self::Known { is_range, .. } => *is_range,
+            Self::Range { ends, .. } => ends.is_range,
+            Self::Counts { .. } | Self::Distribution { .. } => false,
+        };
+        let values = self.values();
+        is_range.then_some(values.high - values.low)
+    }
+
     /// Every value that it may have as far as it says itself: of a range over all schedulers all of it, of counts what the runs
     /// without a verdict leave open, else the estimate.
     pub fn values(&self) -> Interval {

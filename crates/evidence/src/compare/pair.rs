@@ -203,11 +203,10 @@ impl Pair {
 
     /// How wide the ranges over all schedulers are, with which agreement says the less; empty if there are none.
     pub fn range_in_words(&self) -> String {
-        let widths = [&self.first, &self.second].map(Belief::values);
-        let width = widths.iter().map(|it| it.high - it.low).fold(0.0, f64::max);
-        if !is_range(&self.first) && !is_range(&self.second) {
+        let widths = [&self.first, &self.second].map(Belief::width_of_range);
+        let Some(width) = widths.into_iter().flatten().max_by(f64::total_cmp) else {
             return String::new();
-        }
+        };
         let meaning = match width > self.margin {
             true => ", more than the margin: agreement with so wide a range says little",
             false => "",

@@ -30,6 +30,7 @@ impl Statement<'_> {
         sentences.extend(self.elsewhere());
         sentences.extend(self.conflicts());
         sentences.extend(self.contrary_models());
+        sentences.extend(self.contrary_trials());
         sentences.extend(self.why_not_more());
         sentences.extend(self.left_out());
         sentences.join(" ")
@@ -175,6 +176,29 @@ impl Statement<'_> {
             format!(
                 "By {} alone {asked} would be {claim}; evidence of a higher step decides.",
                 list(&ids)
+            )
+        })
+    }
+
+    /// Trials of the system that support what other trials of it refute, without a difference that is a conflict.
+    fn contrary_trials(&self) -> Option<String> {
+        if (self.verdict, self.step) != (Verdict::Violated, Some(Step::System)) {
+            return None;
+        }
+        let ids = |wanted: Standing| -> Vec<String> {
+            let all = self.judged.iter().filter(|it| {
+                let standing = &it.standing;
+                !standing.elsewhere && standing.step == Step::System && standing.standing == wanted
+            });
+            all.map(|it| it.standing.evidence.clone()).collect()
+        };
+        let (denying, supporting) = (ids(Standing::Denies), ids(Standing::Supports));
+        (!denying.is_empty() && !supporting.is_empty()).then(|| {
+            format!(
+                "{} by itself would support it: trials of the system lie on both sides of the threshold, and no difference \
+                 beyond the margin is shown between them and {}. What refutes counts; find out what was otherwise.",
+                list(&supporting),
+                list(&denying)
             )
         })
     }

@@ -16,7 +16,8 @@
 //! points over. Where several trials of the system are compared on the anchor, the smallest of their p-values is multiplied by
 //! their number, and all that is declared to carry over to a requirement shares the level. Nothing carries over where any of
 //! the trials conflicts with the model on any anchor that is declared for it here. A model that was calibrated on the trials
-//! only fits them: it is no anchor; nor are trials of one person or session alone, which tell of this one.
+//! only fits them: it is no anchor; nor are trials of one person or session alone, which tell of this one, nor a decision
+//! process whose range over all schedulers is wider than the margin: some scheduler agrees with almost anything.
 //!
 //! For the requirement that is its own anchor this is never stronger than the trials' own counts, since equivalence with
 //! `q` within `m` shows no more of `p` than that it is above `q - m`. It is meant for what the trials did not cover.
@@ -33,8 +34,8 @@ use super::judge::Asked;
 use super::stand::{self, ClaimLevels};
 use super::words::{self, percent_down, percent_up};
 use super::{Piece, is_trial, limits};
-use crate::compare::Study;
 use crate::compare::words::{p_value, points};
+use crate::compare::{Belief, Study};
 use crate::{
     CarryOver, Comparison, Direction, Evidence, Interval, Outcome, PieceStanding, Requirement,
     Step, Subject, Threshold,
@@ -146,6 +147,17 @@ fn anchor(
             is_conflict: true,
         });
     }
+    let widest = with_trials.iter().map(|(it, _)| it.margin);
+    let widest = widest.fold(0.0, f64::max);
+    if let Some(width) = width_of_range(study.evidence, model, &subject)
+        && width > widest
+    {
+        return Err(none(format!(
+            "{model} gives a range of {} over all schedulers on {on}, wider than the margin: that some of them agrees does not \
+             say which is the system's",
+            points(width)
+        )));
+    }
     let independent: Vec<&(&Comparison, &str)> = with_trials
         .iter()
         .filter(|(it, other)| it.independent && !is_of_one_subject(study.evidence, other))
@@ -179,6 +191,13 @@ fn other_side<'c>(comparison: &'c Comparison, id: &str) -> Option<&'c str> {
         (false, true) => Some(&comparison.left),
         _ => None,
     }
+}
+
+/// How wide the range over all schedulers is that a model gives; none if it gives none.
+fn width_of_range(evidence: &[Evidence], id: &str, subject: &Subject) -> Option<f64> {
+    let piece = evidence.iter().find(|piece| piece.id == id)?;
+    let belief = Belief::of(&piece.finding(subject)?.measure).ok()?;
+    belief.width_of_range()
 }
 
 fn is_trial_in(evidence: &[Evidence], id: &str) -> bool {

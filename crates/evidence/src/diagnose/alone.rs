@@ -75,7 +75,7 @@ impl Matter<'_> {
     /// The probability that a model is the odd one out, and not what alone shows a failure mode that it excludes.
     fn is_odd(&self, model: &Evidence, shows: &[&Evidence], subject: &Subject) -> f64 {
         match shows.first() {
-            Some(shows) => self.blame([model, shows], subject, None)[0],
+            Some(shows) => self.blame([model, shows], subject, None).pieces[0],
             None => 1.0,
         }
     }

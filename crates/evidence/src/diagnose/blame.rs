@@ -13,6 +13,10 @@
 //! tenth: tables and recordings are less likely to be wrong than models of it. The blame is shared out between two pieces in
 //! the proportion of the sets with the one and without the other.
 //!
+//! The runs of simulators and recordings are all read through the same words and the same monitor. Where several pieces are
+//! read so and all of them are in `W`, what they are read through may be wrong in their place: one error with one rate, which
+//! has the prior [`READING`]. What such sets weigh is the part of the blame that the reading has.
+//!
 //! # Source and guarantee
 //! Bayes' theorem over all sets (H. Jeffreys, "Theory of Probability", 1961, section 5.04, for the prior of each further
 //! hypothesis). Two against two that agree with each other have one half each; one against two that agree beyond what chance
@@ -26,13 +30,16 @@ use super::matter::Matter;
 use super::rates::rate_or_never;
 use super::strength::{Rate, ln_together, strength};
 use super::voices::share_assumption;
-use crate::{Evidence, Subject};
+use crate::{AskedBy, Evidence, Subject};
 
 /// How likely a group is to be wrong against that it is right, as a natural logarithm.
 const WRONG: f64 = -std::f64::consts::LN_10;
 
 /// How much likelier a model is wrong than the real system's data, as a natural logarithm.
 const DATA: f64 = std::f64::consts::LN_10;
+
+/// How likely what runs are read through is wrong: a third of a model's, which has more numbers to go wrong.
+const READING: f64 = WRONG - 1.098_612_288_668_109_8;
 
 /// Pieces whose sets are gone through.
 const MOST: usize = 10;
@@ -43,6 +50,22 @@ struct Piece<'e> {
     rate: Rate,
 }
 
+/// The blame of two pieces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Blame {
+    /// The share of each piece by itself.
+    pub pieces: [f64; 2],
+    /// The share of what each is read through, and others with it.
+    pub reading: [f64; 2],
+}
+
+/// Whether the runs of a piece are read through words on signals, as those of others are: what is counted in tables is not,
+/// and has no run that is a witness.
+pub(super) fn is_read_from_runs(piece: &Evidence) -> bool {
+    let has_runs = piece.findings.iter().any(|it| !it.witnesses.is_empty());
+    piece.technique.traits().asked_by == AskedBy::Monitor && has_runs && !piece.published
+}
+
 impl Matter<'_> {
     /// The shares of the blame of two pieces that conflict on a subject, judged by `form` where they are; their sum is 1.
     pub(super) fn blame(
@@ -50,14 +73,25 @@ impl Matter<'_> {
         [one, other]: [&Evidence; 2],
         subject: &Subject,
         form: Option<&str>,
-    ) -> [f64; 2] {
+    ) -> Blame {
         let margin = self.margin(subject);
         let pieces = self.pieces_of([one, other], subject, form);
         let place = |id: &str| pieces.iter().position(|it| it.evidence.id == id);
         let (Some(first), Some(second)) = (place(&one.id), place(&other.id)) else {
-            return [0.5; 2];
+            return Blame {
+                pieces: [0.5; 2],
+                reading: [0.0; 2],
+            };
         };
-        let mut weights: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+        let read: usize = pieces
+            .iter()
+            .enumerate()
+            .filter(|(_, it)| is_read_from_runs(it.evidence))
+            .map(|(place, _)| 1_usize << place)
+            .sum();
+        let is_read = |place: usize| read >> place & 1 == 1;
+        // Of each of the two as it is, and of what each is read through.
+        let mut weights: [Vec<f64>; 4] = [const { Vec::new() }; 4];
         for set in 1_usize..1 << pieces.len() {
             let is_wrong = |place: usize| set >> place & 1 == 1;
             let of = match (is_wrong(first), is_wrong(second)) {
@@ -72,7 +106,20 @@ impl Matter<'_> {
                     false => right.push(piece.rate),
                 }
             }
-            weights[of].push(ln_wrong(&wrong, subject, margin) + ln_together(&right, margin));
+            let together = ln_together(&right, margin);
+            weights[of].push(ln_wrong(&wrong, subject, margin) + together);
+            if read.count_ones() > 1 && set & read == read {
+                let (through, rest): (Vec<&Piece<'_>>, Vec<&Piece<'_>>) =
+                    wrong.iter().partition(|it| is_read_from_runs(it.evidence));
+                let rates: Vec<Rate> = through.iter().map(|it| it.rate).collect();
+                let reading = READING + ln_together(&rates, margin);
+                let accused = if is_read([first, second][of]) {
+                    of + 2
+                } else {
+                    of
+                };
+                weights[accused].push(reading + ln_wrong(&rest, subject, margin) + together);
+            }
         }
         let greatest = weights
             .iter()
@@ -80,8 +127,12 @@ impl Matter<'_> {
             .copied()
             .fold(f64::NEG_INFINITY, f64::max);
         let sums = weights.map(|all| all.iter().map(|it| (it - greatest).exp()).sum::<f64>());
-        let total = sums[0] + sums[1];
-        sums.map(|sum| sum / total)
+        let total: f64 = sums.iter().sum();
+        let [one, other, by_one, by_other] = sums.map(|sum| sum / total);
+        Blame {
+            pieces: [one, other],
+            reading: [by_one, by_other],
+        }
     }
 
     /// The pieces under the same conditions that say something of a subject, the two always among them.

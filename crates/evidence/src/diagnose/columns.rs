@@ -1,20 +1,26 @@
-//! A table of requirements whose columns "passed" and "failed" were exchanged.
+//! A table of requirements whose columns "passed" and "failed" were exchanged, in all rows or in some.
 //!
 //! # Definition
-//! The columns of a piece were exchanged if at least [`FEWEST`] of its rates of requirements, or one against at least as many
-//! other pieces, differ strongly (at least [`STRONG`], see [`mod@super::strength`]; the one by [`EXTREME`]) from other evidence
-//! under the same conditions as they are, and if none of its rates of requirements does with kept and violated exchanged in
-//! all of them. The exchange takes `T - T'` of a conflict,
-//! `T'` being what is left with the other column.
+//! A row counts a requirement in sum; what is counted by person or session stands in another table. A row *fits* exchanged if
+//! with kept and violated exchanged it differs strongly (at least [`STRONG`], see [`mod@super::strength`]) from no other evidence
+//! under the same conditions, and is *wrong* if it differs so as it is.
+//!
+//! * The columns were exchanged if every row fits exchanged, and at least [`FEWEST`] are wrong, or one is by [`EXTREME`] against
+//!   at least as many other pieces.
+//! * Else single rows were, if each of them differs by [`EXTREME`] from all other evidence as it is and agrees with all of it
+//!   exchanged (the evidence is for one rate), and if the requirement is kept in less than half of the trials as it is.
+//!
+//! The exchange takes `T - T'` of a conflict, `T'` being what is left with the other column.
 //!
 //! # Source and guarantee
-//! One exchange in place of several wrong rates, as in [`super::names`]: each of the rates has to fit from the other side,
-//! which wrong rates do beyond chance only where they are complements. One rate against one other piece is no sign: a wrong
-//! model may be as far off by chance.
+//! One exchange in place of wrong rates, as in [`super::names`]: each of the rates has to fit from the other side,
+//! which wrong rates do beyond chance only where they are complements. A single row against one other piece may be that: a model
+//! that asks the contrary gives the complement, too. What systems are built for is rather kept than violated, so that the row
+//! is named which says otherwise, and the models with it.
 
-use super::matter::{Clue, Matter, name_of};
+use super::matter::{Clue, Matter, is_by_subject, name_of};
 use super::rates::figure;
-use super::strength::{Rate, STRONG, strength};
+use super::strength::{Rate, STRONG, signed_strength, strength};
 use super::suspect::Symptom;
 use crate::{Evidence, Inaccuracy, Subject};
 
@@ -24,41 +30,129 @@ const FEWEST: usize = 2;
 /// Decades by which one rate has to differ from each of the others.
 const EXTREME: f64 = 5.0;
 
-/// Whether a piece's columns "passed" and "failed" were exchanged, as far as the other evidence says.
+/// How often a row is the wrong way round for each time that a rate is wrong otherwise, in decades.
+const RARE: f64 = -0.5;
+
+/// What of a piece's table of requirements has passed and failed the wrong way round, as far as the other evidence says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExchangedColumns {
+    /// The requirements of the rows.
+    pub rows: Vec<Subject>,
+    /// Whether these are all rows of the table.
+    pub are_all: bool,
+    /// The odds, in decades, against another reason, where one rate against one other piece is all that says so.
+    pub odds: Option<f64>,
+}
+
+impl ExchangedColumns {
+    /// What was exchanged, for people: the whole columns or rows of them.
+    fn in_words(&self) -> String {
+        let rows: Vec<String> = self
+            .rows
+            .iter()
+            .map(|it| format!("`{}`", it.id()))
+            .collect();
+        match (self.are_all, rows.as_slice()) {
+            (true, _) => String::new(),
+            (false, [row]) => format!(" in its row {row}"),
+            (false, rows) => format!(" in its rows {}", rows.join(", ")),
+        }
+    }
+}
+
+/// How a row stands to the other evidence.
+struct Row<'e> {
+    subject: &'e Subject,
+    is_kept_rarely: bool,
+    /// Strengths of disagreement as it is.
+    now: Vec<f64>,
+    /// Signed ones with kept and violated exchanged.
+    then: Vec<f64>,
+}
+
+impl Row<'_> {
+    fn fits(&self) -> bool {
+        self.then.iter().all(|it| *it < STRONG)
+    }
+
+    fn is_extreme(&self) -> bool {
+        !self.now.is_empty() && self.now.iter().all(|it| *it >= EXTREME)
+    }
+
+    /// How many wrong rates it counts as.
+    fn wrong(&self) -> usize {
+        match (self.is_extreme(), self.now.iter().any(|it| *it >= STRONG)) {
+            (true, _) => self.now.len().min(FEWEST),
+            (false, is_apart) => usize::from(is_apart),
+        }
+    }
+
+    fn is_wrong_alone(&self) -> bool {
+        self.is_kept_rarely && self.is_extreme() && self.then.iter().all(|it| *it < 0.0)
+    }
+}
+
+/// What of a piece's columns "passed" and "failed" was exchanged, as far as the other evidence says.
 #[must_use]
-pub fn has_columns_exchanged(
+pub fn exchanged_columns(
     evidence: &[Evidence],
     piece: &Evidence,
     margin: &dyn Fn(&Subject) -> f64,
-) -> bool {
-    let mut mended = 0;
-    for finding in &piece.findings {
+) -> Option<ExchangedColumns> {
+    let others = |subject: &Subject| {
+        let others = evidence.iter().filter(|other| {
+            other.id != piece.id && !other.intermediate && other.conditions == piece.conditions
+        });
+        let rates = others.filter_map(|other| Rate::on(other, subject));
+        rates.collect::<Vec<Rate>>()
+    };
+    let counted = piece.findings.iter().filter(|finding| {
+        matches!(finding.subject, Subject::Requirement(_)) && !is_by_subject(finding)
+    });
+    let rows = counted.filter_map(|finding| {
         let subject = &finding.subject;
-        let (Subject::Requirement(_), Some(rate)) = (subject, Rate::of(finding)) else {
-            continue;
-        };
-        let Some(other) = contrary(rate) else {
-            return false;
-        };
-        let apart = |rate: Rate| {
-            let others = evidence.iter().filter(|other| {
-                other.id != piece.id && !other.intermediate && other.conditions == piece.conditions
-            });
-            let theirs = others.filter_map(|other| Rate::on(other, subject));
-            let apart = theirs.map(|theirs| strength(theirs, rate, margin(subject)));
-            apart.collect::<Vec<f64>>()
-        };
-        if apart(other).iter().any(|it| *it >= STRONG) {
-            return false;
+        let rate = Rate::of(finding)?;
+        let other = contrary(rate)?;
+        let margin = margin(subject);
+        let theirs = others(subject).into_iter();
+        let both = theirs.map(|it| {
+            (
+                strength(it, rate, margin),
+                signed_strength(it, other, margin),
+            )
+        });
+        let (now, then) = both.unzip();
+        Some(Row {
+            subject,
+            is_kept_rarely: share(rate).zip(share(other)).is_some_and(|(a, b)| a < b),
+            now,
+            then,
+        })
+    });
+    let rows: Vec<Row<'_>> = rows.collect();
+    let wrong: usize = rows.iter().map(Row::wrong).sum();
+    let are_all = rows.iter().all(Row::fits) && wrong >= FEWEST;
+    let chosen = rows.iter().filter(|row| are_all || row.is_wrong_alone());
+    let chosen: Vec<&Row<'_>> = chosen.collect();
+    let odds = match chosen.as_slice() {
+        [] => return None,
+        [row] if !are_all && row.then.len() < FEWEST => {
+            Some(RARE - row.then.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)))
         }
-        let now = apart(rate);
-        let extreme = now.iter().filter(|it| **it >= EXTREME).count();
-        mended += match (extreme == now.len(), now.iter().any(|it| *it >= STRONG)) {
-            (true, true) => extreme.min(FEWEST),
-            (_, is_apart) => usize::from(is_apart),
-        };
+        _ => None,
+    };
+    Some(ExchangedColumns {
+        rows: chosen.iter().map(|row| row.subject.clone()).collect(),
+        are_all: are_all || chosen.len() == rows.len(),
+        odds,
+    })
+}
+
+fn share(rate: Rate) -> Option<f64> {
+    match rate {
+        Rate::Counted { count, trials, .. } => Some(count / trials),
+        Rate::Computed(_) | Rate::Never => None,
     }
-    mended >= FEWEST
 }
 
 /// A counted rate with kept and violated exchanged.
@@ -89,21 +183,42 @@ impl Matter<'_> {
         let is_table = super::exchanged::is_table(piece);
         let margin = |subject: &Subject| self.margin(subject);
         let is_requirement = matches!(subject, Subject::Requirement(_));
-        if !is_table || !is_requirement || !has_columns_exchanged(self.evidence, piece, &margin) {
+        if !is_table || !is_requirement {
+            return None;
+        }
+        let found = exchanged_columns(self.evidence, piece, &margin)?;
+        if !found.rows.contains(subject) {
             return None;
         }
         let finding = piece.finding(subject)?;
         let exchanged = contrary(Rate::of(finding)?)?;
         let theirs = Rate::on(against, subject)?;
         let rest = strength(exchanged, theirs, self.margin(subject)).min(whole);
+        let share = found.odds.map_or(1.0, |odds| {
+            let odds = 10.0_f64.powf(odds);
+            odds / (1.0 + odds)
+        });
+        let taken = (whole - rest) * share;
+        let mut asset = self.table_and_words(piece, subject);
+        if !found.are_all {
+            asset.part = Some(format!("row `{}`", subject.id()));
+        }
+        let place = found.in_words();
+        let agrees_on = match found.are_all {
+            true => "its requirements".to_owned(),
+            false => name_of(subject),
+        };
         let clue = Clue {
             inaccuracy: Inaccuracy::SystemModel,
-            asset: self.table_and_words(piece, subject),
+            asset,
             subject: subject.clone(),
-            score: whole - rest,
-            title: format!("{} has passed and failed the wrong way round", piece.id),
+            score: taken,
+            title: format!(
+                "{} has passed and failed the wrong way round{place}",
+                piece.id
+            ),
             explanation: format!(
-                "With passed and failed exchanged {} agrees with all other evidence on its requirements; of the conflict with \
+                "With passed and failed exchanged {} agrees with all other evidence on {agrees_on}; of the conflict with \
                  {} on {} (Bayes factor 10^{whole:.1}) 10^{rest:.1} is left.",
                 piece.id,
                 against.id,
@@ -126,6 +241,6 @@ impl Matter<'_> {
             ruled_out: Vec::new(),
             resolved_by: self.mended(piece, against, subject),
         };
-        Some((clue, rest))
+        Some((clue, whole - taken))
     }
 }

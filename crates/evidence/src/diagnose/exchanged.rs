@@ -7,7 +7,7 @@
 //! # Guarantee
 //! Rates ([`super::strength::Rate`]) are those that the exchanged table would give.
 
-use super::columns::has_columns_exchanged;
+use super::columns::{ExchangedColumns, exchanged_columns};
 use super::names::{MixedUp, mixed_up};
 use crate::{Evidence, Measure, Subject};
 
@@ -16,26 +16,27 @@ pub(super) fn is_table(piece: &Evidence) -> bool {
     piece.technique.traits().is_counted_by_people || piece.published
 }
 
-/// The piece as its tables would give it if they were put right, if the other evidence says that they are not.
+/// The piece as its tables would give it if they were put right, if the other evidence says that they are not; with the odds
+/// against another reason, in decades, where little says so ([`ExchangedColumns::odds`]).
 pub fn put_right(
     evidence: &[Evidence],
     piece: &Evidence,
     margin: &dyn Fn(&Subject) -> f64,
-) -> Option<Evidence> {
+) -> Option<(Evidence, Option<f64>)> {
     if !is_table(piece) {
         return None;
     }
-    if has_columns_exchanged(evidence, piece, margin) {
-        return Some(with_columns(piece));
+    if let Some(found) = exchanged_columns(evidence, piece, margin) {
+        return Some((with_columns(piece, &found), found.odds));
     }
-    mixed_up(evidence, piece, margin).map(|found| with_names(piece, &found))
+    mixed_up(evidence, piece, margin).map(|found| (with_names(piece, &found), None))
 }
 
-fn with_columns(piece: &Evidence) -> Evidence {
+fn with_columns(piece: &Evidence, found: &ExchangedColumns) -> Evidence {
     let mut piece = piece.clone();
     for finding in &mut piece.findings {
-        if let (Subject::Requirement(_), Measure::Counts { count, trials, .. }) =
-            (&finding.subject, &mut finding.measure)
+        if let (true, Measure::Counts { count, trials, .. }) =
+            (found.rows.contains(&finding.subject), &mut finding.measure)
         {
             *count = trials.saturating_sub(*count);
         }

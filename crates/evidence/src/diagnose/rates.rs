@@ -22,6 +22,7 @@
 //! Changing one thing at a time and taking the difference is the method of difference (J. S. Mill, 1843);
 //! the shares add up to the conflict. Each conflict gives at least one clue.
 
+use super::blame::is_read_from_runs;
 use super::exchanged::is_table;
 use super::forms::SENTENCE;
 use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form};
@@ -376,11 +377,58 @@ impl<'a> Matter<'a> {
     ) -> Vec<Clue> {
         let is_formal = |piece: &Evidence| piece.technique.traits().asked_by == AskedBy::Property;
         let form = (is_formal(one) || is_formal(other)).then_some("property");
-        let shares = self.blame([one, other], subject, form);
-        let both = [(one, other, shares[0]), (other, one, shares[1])];
-        let named = both.into_iter().filter(|(.., share)| *share >= NAMED);
-        let clue = |(piece, against, share)| self.of_system(piece, against, subject, (left, share));
-        named.map(clue).collect()
+        let blame = self.blame([one, other], subject, form);
+        let both = |shares: [f64; 2]| {
+            let both = [(one, other, shares[0]), (other, one, shares[1])];
+            both.into_iter().filter(|(.., share)| *share >= NAMED)
+        };
+        let systems = both(blame.pieces)
+            .map(|(piece, against, share)| self.of_system(piece, against, subject, (left, share)));
+        let readings = both(blame.reading)
+            .map(|(piece, against, share)| self.of_reading(piece, against, subject, (left, share)));
+        systems.chain(readings).collect()
+    }
+
+    /// The clue against what a piece is read through, with all others that are read so.
+    fn of_reading(
+        &self,
+        piece: &Evidence,
+        against: &Evidence,
+        subject: &Subject,
+        (left, share): (f64, f64),
+    ) -> Clue {
+        let read = self.speaking().filter(|it| {
+            it.conditions == piece.conditions
+                && is_read_from_runs(it)
+                && it.finding(subject).is_some()
+        });
+        let read: Vec<String> = read.map(|it| it.id.clone()).collect();
+        let all = read.join(" and ");
+        let own = self.of_system(piece, against, subject, (left, share));
+        Clue {
+            inaccuracy: Inaccuracy::RequirementModel,
+            asset: SuspectAsset {
+                kind: SuspectKind::Vocabulary,
+                file: Some("vocabulary.toml".to_owned()),
+                part: Some(format!("{}, as read from runs", name_of(subject))),
+                evidence: read,
+                together: Vec::new(),
+                line: None,
+            },
+            title: format!(
+                "what {all} are read through may mean something else in {}",
+                name_of(subject)
+            ),
+            explanation: format!(
+                "{} against {}: a conflict on {} with a Bayes factor of 10^{left:.1}. {all} agree, and are read through the same \
+                 words and the same monitor: that one of these is wrong has a probability of {share:.2}.",
+                rate_in_words(piece, subject),
+                rate_in_words(against, subject),
+                name_of(subject)
+            ),
+            ruled_out: Vec::new(),
+            ..own
+        }
     }
 
     pub(super) fn of_system(

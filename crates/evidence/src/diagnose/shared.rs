@@ -12,7 +12,7 @@
 //! the error explains.
 //!
 //! The same holds where one value of a requirement model, replaced, makes the two agree ([`Symptom::EditExplains`]): its
-//! share of the conflict is taken from the system models of that pair.
+//! share of the conflict is taken from the system models of that pair, and from what they are read through.
 //!
 //! # Source and guarantee
 //! The method of difference (J. S. Mill, 1843), as in [`super::rates`]; L. F. Richardson, "The approximate arithmetical
@@ -46,7 +46,7 @@ pub(super) fn share_with_tools(matter: &Matter<'_>, clues: &mut [Clue]) {
     }
 }
 
-/// Takes from the system models what an edit of a requirement model explains; of several edits the one that takes most.
+/// Takes from the system models, and from what runs are read through, what an edit of a requirement model explains; of several edits the one that takes most.
 pub(super) fn share_with_edits(clues: &mut [Clue]) {
     let taken = |clue: &Clue| {
         let (evidence, others) = match &clue.symptom {
@@ -72,9 +72,7 @@ pub(super) fn share_with_edits(clues: &mut [Clue]) {
     };
     let taken: Vec<f64> = clues.iter().map(taken).collect();
     for (clue, taken) in clues.iter_mut().zip(taken) {
-        if clue.inaccuracy == Inaccuracy::SystemModel {
-            clue.score *= 1.0 - taken;
-        }
+        clue.score *= 1.0 - taken;
     }
 }
 

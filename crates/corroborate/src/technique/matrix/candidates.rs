@@ -413,7 +413,7 @@ fn assigned(text: &str, variable: &str) -> BTreeSet<String> {
 }
 
 /// The propositions that a form of traces names.
-fn of_monitor(form: &SubjectForm) -> Vec<String> {
+pub(super) fn of_monitor(form: &SubjectForm) -> Vec<String> {
     let texts: Vec<String> = match form.monitor.as_ref().map(|monitor| &monitor.rule) {
         Some(Rule::Staged(spec)) => spec.propositions().into_iter().map(Into::into).collect(),
         Some(Rule::Formula(rule)) => rule.parsed.atoms.iter().map(|a| a.text.clone()).collect(),

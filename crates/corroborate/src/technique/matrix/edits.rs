@@ -10,7 +10,8 @@
 //! weighed as an edit is, and one that explains more takes the edits' place; likewise a number of a formal model that is solved
 //! for ([`super::lines`]), at [`FREE_VALUE`] decades less. Of those that are left the ones that explain most are clues, and
 //! those that explain as much are named with them. An edit with which every run of every piece is judged alike (a limit that
-//! nothing keeps) explains nothing by that, unless something else in the study says its very value.
+//! nothing keeps) explains nothing by that, unless something else in the study says its very value; nor does one with which a
+//! model is certain of what others saw both ways.
 //!
 //! What an edit explains it shares with the system models, which explain it, too, by rates of their own. Its odds against
 //! them are, in decades,
@@ -24,6 +25,7 @@
 //! * [`SAID`], if something else in the study says this very value (the limit of the other form, a duration in the text, a
 //!   unit in a field's name), [`FREE`], shared among all that are free for one place, if only a place
 //!   is free for it (a column or a state that no proposition names);
+//! * [`explained::PLAIN`], if the pieces that it changes are then each the same in all their runs, and nothing says it;
 //! * less the decades of the number of edits that were tried and change how any two pieces agree: the others say the same as
 //!   no edit, and cannot explain anything by chance.
 //!
@@ -55,7 +57,7 @@ use evidence::{
     Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
     SuspectKind, Symptom, put_right, signed_strength,
 };
-use explained::{Explained, balance, drop_limits_that_play_no_part, explained};
+use explained::{Explained, PLAIN, balance, drop_limits_that_play_no_part, explained};
 use host::{Events, Host};
 use judging::Judges;
 use judging::recording::ReadingRules;
@@ -150,6 +152,10 @@ impl Diagnosing<'_> {
             let explained = explained.filter(|it| is_said || !it.is_constant(&evidence));
             found.extend(explained.map(|it| Explained {
                 hides: self.hidden_by(&evidence),
+                prior: match !is_said && it.is_plain(&self.result.evidence, &evidence) {
+                    true => PLAIN,
+                    false => 0.0,
+                },
                 ..it
             }));
         }
@@ -162,7 +168,7 @@ impl Diagnosing<'_> {
                 }
                 (None, _) => 0.0,
             };
-            it.prior = hint - f64::from(telling.max(1)).log10();
+            it.prior += hint - f64::from(telling.max(1)).log10();
         }
         let exchange = self.exchange(&before);
         let rival = exchange.into_iter().chain(self.numbers(offered, &before));
@@ -292,7 +298,7 @@ impl Diagnosing<'_> {
         let margin = |subject: &Subject| self.margin(subject);
         let all = &self.result.evidence;
         let weight = |piece: &Evidence| {
-            let exchanged = put_right(all, piece, &margin)?;
+            let (exchanged, odds) = put_right(all, piece, &margin)?;
             let after: Vec<Evidence> = all
                 .iter()
                 .map(|it| match it.id == piece.id {
@@ -301,7 +307,8 @@ impl Diagnosing<'_> {
                 })
                 .collect();
             let after = self.disagreements(&after);
-            Some(balance(before, &after, &|_| true)?.weight())
+            let balance = balance(before, &after, &|_| true)?;
+            Some(balance.weight() + odds.map_or(0.0, |odds| odds.min(0.0)))
         };
         all.iter().filter_map(weight).max_by(f64::total_cmp)
     }

@@ -18,6 +18,7 @@ use diagnostic::Problem;
 use evidence::{Measure, STRONG, Subject, Suspect, SuspectKind};
 use host::{Events, Host};
 use refinement::{Changed, ModelChange, NamedOffer, Trial, Values};
+use std::collections::BTreeMap;
 use study::Work;
 
 /// A change with the model after it, and what it does to the agreement with all evidence.
@@ -56,6 +57,7 @@ impl Diagnosing<'_> {
         offered: &OfModels,
     ) -> Result<(), Problem> {
         self.tree_lines(suspects)?;
+        self.row_lines(suspects);
         for offered in &offered.models {
             let text = offered.text.as_str();
             for suspect in suspects
@@ -68,6 +70,26 @@ impl Diagnosing<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The lines of rows of tables that are named by what stands in their first cell.
+    fn row_lines(&self, suspects: &mut [Suspect]) {
+        for suspect in suspects {
+            let asset = &mut suspect.asset;
+            let part = asset.part.as_deref().unwrap_or_default();
+            let row = part
+                .strip_prefix("row `")
+                .and_then(|it| it.strip_suffix('`'));
+            let (Some(file), Some(row), None) = (&asset.file, row, asset.line) else {
+                continue;
+            };
+            // What is no text has no lines.
+            let text = std::fs::read_to_string(self.study.folder.join(file));
+            let text = text.unwrap_or_default();
+            let is_row = |line: &str| line.split(',').next().is_some_and(|it| it.trim() == row);
+            let place = text.lines().position(is_row);
+            asset.line = place.and_then(|it| u32::try_from(it + 1).ok());
+        }
     }
 
     /// What could be changed in the formal models that disagree strongly with something.
@@ -241,11 +263,22 @@ fn point(suspect: &mut Suspect, text: &str, change: &ModelChange, changed: &Chan
     }
 }
 
-/// The first line that two texts differ in, from 1.
+/// The first line that another takes the place of, from 1; where lines are added alone, the first behind them.
 fn changed_line(old: &str, new: &str) -> Option<u32> {
-    let mut pairs = old.lines().zip(new.lines());
-    let place = pairs.position(|(a, b)| a != b)?;
-    u32::try_from(place + 1).ok()
+    let mut left: BTreeMap<&str, i32> = BTreeMap::new();
+    for line in new.lines() {
+        *left.entry(line).or_default() += 1;
+    }
+    let is_gone = |line: &str| match left.get_mut(line) {
+        Some(count) if *count > 0 => {
+            *count -= 1;
+            false
+        }
+        _ => true,
+    };
+    let replaced = old.lines().position(is_gone);
+    let added = || old.lines().zip(new.lines()).position(|(a, b)| a != b);
+    u32::try_from(replaced.or_else(added)? + 1).ok()
 }
 
 #[cfg(test)]
@@ -257,5 +290,7 @@ mod tests {
         assert_eq!(changed_line("a\nb\nc", "a\nx\nc"), Some(2));
         assert_eq!(changed_line("a\nb\n", "a\nnew\nb\n"), Some(2));
         assert_eq!(changed_line("a", "a"), None);
+        // A constant is declared above the command that has it.
+        assert_eq!(changed_line("a\n\nb\nc", "a\nnew\n\nb\nx"), Some(4));
     }
 }

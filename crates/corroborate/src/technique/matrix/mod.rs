@@ -101,6 +101,7 @@ pub fn diagnose(
     let clues = std::mem::take(&mut gathered.clues);
     let mut suspects = evidence::rank(&matter, clues);
     diagnosing.lines(&mut suspects, &offered)?;
+    diagnosing.readings(&mut suspects);
     diagnosing.words(&mut suspects);
     Ok(Diagnosis {
         inputs: inputs_of(result),

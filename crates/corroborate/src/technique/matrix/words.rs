@@ -6,13 +6,100 @@
 //! piece that is read so agrees with that other one, these files are named with the suspect: a wrong word would show the
 //! same.
 //!
+//! Where several pieces that are read so agree, and differ from another, what they are read through is a suspect of its own. It
+//! is named by the line of a monitor that was written by hand or, without one, of the last predicate that the requirement
+//! reads; before others those that nothing reads that agrees. All others are named with it.
+//!
 //! # Guarantee
 //! None: that a file is named says that what was shown does not tell it apart.
 
 use super::Diagnosing;
+use super::candidates::of_monitor;
 use evidence::{Evidence, Rate, STRONG, Subject, Suspect, SuspectKind, Symptom, signed_strength};
 
+/// What a suspect's part ends with that is what several pieces are read through.
+const READ: &str = ", as read from runs";
+
+/// A place of a reading: the file, the part, the line, and whether something that agrees is read through it, too.
+struct Place {
+    file: &'static str,
+    part: String,
+    line: Option<u32>,
+    is_confirmed: bool,
+}
+
 impl Diagnosing<'_> {
+    /// Places what several pieces are read through in the files.
+    pub(super) fn readings(&self, suspects: &mut [Suspect]) {
+        let apart = self.disagreements(&self.result.evidence);
+        let disagrees = |subject: &Subject| {
+            let mut own = apart.iter().filter(|((.., it), _)| it == subject);
+            own.any(|(_, apart)| *apart > STRONG)
+        };
+        for suspect in suspects {
+            let part = suspect.asset.part.as_deref().unwrap_or_default();
+            let is_reading = suspect.asset.kind == SuspectKind::Vocabulary && part.ends_with(READ);
+            let subject = suspect.subjects.first();
+            let (true, Some(subject)) = (is_reading, subject.cloned()) else {
+                continue;
+            };
+            let mut places = self.places(&subject, &disagrees);
+            places.sort_by_key(|it| it.is_confirmed);
+            let mut files: Vec<String> = places
+                .iter()
+                .skip(1)
+                .map(|it| format!("{} ({})", it.file, it.part))
+                .collect();
+            let evidence = suspect.asset.evidence.first().cloned().unwrap_or_default();
+            let through = self.read_through(&evidence, &subject).into_iter();
+            files.extend(through.filter(|file| file != "vocabulary.toml"));
+            if let Some(first) = places.first() {
+                suspect.asset.file = Some(first.file.to_owned());
+                suspect.asset.part = Some(first.part.clone());
+                suspect.asset.line = first.line;
+            }
+            suspect.asset.together.extend(files);
+        }
+    }
+
+    /// Where a subject's runs are read: a monitor by hand, then the predicates, the last first.
+    fn places(&self, subject: &Subject, disagrees: &dyn Fn(&Subject) -> bool) -> Vec<Place> {
+        let Some(form) = self.study.forms.of(subject) else {
+            return Vec::new();
+        };
+        let mut found = Vec::new();
+        let line = |text: &str, at: usize| {
+            let (line, _) = prism_lang::line_and_column(text, at);
+            u32::try_from(line).ok()
+        };
+        if form.monitor.as_ref().is_some_and(|it| !it.from_sentence) {
+            let source = &self.study.forms.source;
+            found.push(Place {
+                file: "requirements.toml",
+                part: format!("{}, monitor", subject.in_words()),
+                line: line(&source.text, form.span.start),
+                is_confirmed: false,
+            });
+        }
+        let vocabulary = std::fs::read_to_string(self.study.folder.join("vocabulary.toml"));
+        let vocabulary = vocabulary.unwrap_or_default();
+        for name in of_monitor(form).iter().rev() {
+            let word = self.study.vocabulary.propositions.get(name);
+            let Some(binding) = word.and_then(|it| it.trace.as_ref()) else {
+                continue;
+            };
+            let mut forms = self.study.forms.subjects.iter();
+            found.push(Place {
+                file: "vocabulary.toml",
+                part: format!("{name}, trace"),
+                line: line(&vocabulary, binding.span.start),
+                is_confirmed: forms
+                    .any(|it| of_monitor(it).contains(name) && !disagrees(&it.subject)),
+            });
+        }
+        found
+    }
+
     /// Names the words that a suspect is read through where nothing else confirms them.
     pub(super) fn words(&self, suspects: &mut [Suspect]) {
         for suspect in suspects {

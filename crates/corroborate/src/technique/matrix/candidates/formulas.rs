@@ -2,12 +2,14 @@
 //!
 //! # Definition
 //! Of a property or a formula of a subject in disagreement, one at a time: a negation left out, or put before a proposition;
-//! `|` for `&`, `or` for `and`, and back. Limits of time are in [`super::limits`], other propositions in [`super`].
+//! `|` for `&`, `or` for `and`, and back; an implication for a conjunction, and back; `F` for `G`, `eventually` for `always`, and
+//! back, of the same or of its negation. In a formula also a quantity, a number or a comparison, as in the binding of a
+//! proposition ([`super::quantities`]). Limits of time are in [`super::limits`], other propositions in [`super`].
 //!
 //! # Guarantee
 //! That of [`super`]: none.
 
-use super::quantities::add;
+use super::quantities::{add, in_predicate};
 use super::{REQUIREMENTS, Reach, TextEdit, block, part_of, values};
 use evidence::{Subject, SuspectKind};
 use std::ops::Range;
@@ -33,6 +35,23 @@ pub(super) fn of_forms(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> V
                     is_said: false,
                 };
                 add(edit, &mut found);
+            }
+            if text.which == "monitor" {
+                for (span, new, hint) in in_predicate(study, &text.text, None, &[form]) {
+                    let start = text.span.start;
+                    let edit = TextEdit {
+                        file: REQUIREMENTS,
+                        old: text.text[span.clone()].to_owned(),
+                        span: start + span.start..start + span.end,
+                        new,
+                        kind: text.kind,
+                        part: part_of(form, text.which),
+                        reach: text.reach.clone(),
+                        is_said: hint.is_some(),
+                        hint,
+                    };
+                    add(edit, &mut found);
+                }
             }
         }
     }
@@ -90,11 +109,38 @@ fn rewritten(text: &str, is_proposition: &dyn Fn(&str) -> bool, negation: &str) 
             .chars()
             .next_back()
             .filter(|c| *c == '"');
+        let is_doubled =
+            |sign: char| behind.starts_with(sign) || text[..place.start].ends_with(sign);
         match &text[place.clone()] {
-            "&" => found.push(put(place, "|")),
+            // What is given is no disjunction.
+            "|" if is_doubled('|') => {}
+            "&" => found.extend([put(place.clone(), "|"), put(place, "=>")]),
             "|" => found.push(put(place, "&")),
-            "and" => found.push(put(place, "or")),
+            "and" => found.extend([put(place.clone(), "or"), put(place, "=>")]),
             "or" => found.push(put(place, "and")),
+            "=" if behind.starts_with('>') => {
+                let and = if negation == "!" { "&" } else { "and" };
+                found.push(put(place.start..place.end + 1, and));
+            }
+            "F" | "G" | "eventually" | "always" => {
+                let other = match &text[place.clone()] {
+                    "F" => "G",
+                    "G" => "F",
+                    "eventually" => "always",
+                    _ => "eventually",
+                };
+                found.push(put(place.clone(), other));
+                if let Some(operand) = operand(text, place.end) {
+                    let own = &text[operand.clone()];
+                    let contrary = match own.strip_prefix(negation) {
+                        Some(rest) => rest.to_owned(),
+                        None => format!("{negation}{own}"),
+                    };
+                    let between = &text[place.end..operand.start];
+                    let all = place.start..operand.end;
+                    found.push(put(all, &format!("{other}{between}{contrary}")));
+                }
+            }
             "!" if !behind.starts_with('=') => found.push(put(place, "")),
             "not" => {
                 let blank = behind.len() - behind.trim_start().len();
@@ -111,6 +157,43 @@ fn rewritten(text: &str, is_proposition: &dyn Fn(&str) -> bool, negation: &str) 
         }
     }
     found
+}
+
+/// The operand of a temporal operator that ends at a place, with its limit left out: a word, a quoted one or what stands in
+/// parentheses, negated or not.
+fn operand(text: &str, end: usize) -> Option<Range<usize>> {
+    let mut at = end;
+    let rest = &text[at..];
+    // `[0, 3 s]` of a formula, `<=3` of a property.
+    if rest.starts_with('[') {
+        at += rest.find(']')? + 1;
+    } else if rest.starts_with(['<', '>']) {
+        at += rest.find(' ')?;
+    }
+    at = text.len() - text[at..].trim_start().len();
+    let start = at;
+    for negation in ["!", "not "] {
+        if text[at..].starts_with(negation) {
+            at += negation.len();
+        }
+    }
+    let rest = &text[at..];
+    let length = match rest.chars().next()? {
+        '"' => rest[1..].find('"')? + 2,
+        '(' => {
+            let mut depth = 0_i32;
+            let closing = rest.char_indices().find(|(_, c)| {
+                depth += i32::from(*c == '(') - i32::from(*c == ')');
+                depth == 0
+            });
+            closing?.0 + 1
+        }
+        c if c.is_ascii_alphabetic() || c == '_' => rest
+            .find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
+            .unwrap_or(rest.len()),
+        _ => return None,
+    };
+    Some(start..at + length)
 }
 
 /// Words, and signs one by one.
@@ -147,9 +230,13 @@ mod tests {
         assert_eq!(
             found,
             [
+                "eventually (left => (shut and not lost))",
+                "eventually not (left => (shut and not lost))",
                 "always (not left => (shut and not lost))",
+                "always (left and (shut and not lost))",
                 "always (left => (not shut and not lost))",
                 "always (left => (shut or not lost))",
+                "always (left => (shut => not lost))",
                 "always (left => (shut and lost))",
             ]
         );
@@ -161,9 +248,24 @@ mod tests {
         assert_eq!(
             found,
             [
+                "P=? [ G<=30 \"left\" & !\"lost\" ]",
+                "P=? [ G<=30 !\"left\" & !\"lost\" ]",
                 "P=? [ F<=30 !\"left\" & !\"lost\" ]",
                 "P=? [ F<=30 \"left\" | !\"lost\" ]",
+                "P=? [ F<=30 \"left\" => !\"lost\" ]",
                 "P=? [ F<=30 \"left\" & \"lost\" ]",
+            ]
+        );
+        let given = rewritten("P=? [ F \"lost\" || G !\"left\" ]", &is_proposition, "!");
+        assert_eq!(
+            given,
+            [
+                "P=? [ G \"lost\" || G !\"left\" ]",
+                "P=? [ G !\"lost\" || G !\"left\" ]",
+                "P=? [ F !\"lost\" || G !\"left\" ]",
+                "P=? [ F \"lost\" || F !\"left\" ]",
+                "P=? [ F \"lost\" || F \"left\" ]",
+                "P=? [ F \"lost\" || G \"left\" ]",
             ]
         );
     }

@@ -4,8 +4,10 @@
 //! A limit stands in a hand-written property (`F<=11`, in steps or in units of continuous time) and in a monitor
 //! (`within_secs = 5.5`). Both are durations, once study.toml says how long a step takes. What a limit may be instead is
 //! each duration of the requirement's text and sentence and each limit of its other form, and what a slip by a factor makes
-//! of it, the duration of a step among the factors. A limit that the text or the sentence says is not looked at.
+//! of it, the duration of a step among the factors. A limit that the text or the sentence says is not looked at. A limit in
+//! steps of no known duration, a count, may be each number of the text ("within two attempts"), and one more or less.
 
+use super::quantities::bare_in_text;
 use super::{REQUIREMENTS, Reach, TextEdit, block, part_of, values};
 use evidence::{Subject, SuspectKind};
 use std::ops::Range;
@@ -41,12 +43,14 @@ pub(super) fn of_form(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
             .chain(of_other.map(|it| (it, format!("its {other} says {it} s"))))
             .collect()
     };
+    let counts = counts(study, &form.subject);
     let of_monitor = Looked {
         form,
         which: "monitor",
         step,
         scale: Some(1.0),
         suggested: suggested(secs(&property), "property"),
+        counts: &[],
     };
     let of_property = Looked {
         form,
@@ -54,8 +58,16 @@ pub(super) fn of_form(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
         step,
         scale: step,
         suggested: suggested(secs(&monitor), "monitor"),
+        counts: &counts,
     };
     let is_said = |limit: &&Limit| {
+        if limit.secs.is_none()
+            && counts
+                .iter()
+                .any(|it| (it - limit.number).abs() < SAME_SECS)
+        {
+            return true;
+        }
         let is_same = |secs: f64| said.iter().any(|it| (it - secs).abs() < SAME_SECS);
         limit.secs.is_some_and(is_same)
     };
@@ -79,6 +91,8 @@ struct Looked<'a> {
     scale: Option<f64>,
     /// Durations in seconds that something else says, and what says them.
     suggested: Vec<(f64, String)>,
+    /// Numbers that its text says, which a count of steps may be.
+    counts: &'a [f64],
 }
 
 impl Looked<'_> {
@@ -91,8 +105,19 @@ impl Looked<'_> {
         let slips = FACTORS.into_iter();
         let slips = slips.chain(self.step.into_iter().flat_map(|step| [step, 1.0 / step]));
         let slips = slips.map(|factor| (limit.number * factor, None));
-        for (number, hint) in said.chain(slips) {
+        // Steps whose duration nobody says are counted.
+        let is_count = limit.secs.is_none() && limit.number.fract() == 0.0;
+        let counts = self.counts.iter().filter(|_| is_count);
+        let counts = counts.map(|it| (*it, Some(format!("its text says {it}"))));
+        let next = [limit.number + 1.0, limit.number - 1.0].into_iter();
+        let next = next.filter(|_| is_count).map(|it| (it, None));
+        let all = said.chain(counts).chain(next).chain(slips);
+        for (number, hint) in all {
             let new = self.edit(limit, number, hint);
+            // What has no time to come does not come.
+            if new.new.trim_start_matches(limit.before) == "0" {
+                continue;
+            }
             let mut known = found.iter();
             let is_known = known.any(|it| it.new == new.new && it.span == new.span);
             if new.new != new.old && !is_known {
@@ -139,6 +164,28 @@ fn said(study: &Study, subject: &Subject) -> Vec<f64> {
     for secs in texts.iter().flat_map(|text| durations(text)) {
         if !found.contains(&secs) {
             found.push(secs);
+        }
+    }
+    found
+}
+
+/// The numbers that a subject's text counts with, in digits or in words; no shares.
+fn counts(study: &Study, subject: &Subject) -> Vec<f64> {
+    const WORDS: [&str; 11] = [
+        "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve",
+    ];
+    let mut found: Vec<f64> = Vec::new();
+    for text in said_texts(study, subject) {
+        let words = text.split(|c: char| !c.is_alphanumeric());
+        let in_words = words.filter_map(|word| {
+            let place = WORDS.iter().position(|it| *it == word.to_lowercase())?;
+            Some((place + 2) as f64)
+        });
+        let in_digits = bare_in_text(&text).into_iter();
+        for number in in_words.chain(in_digits.filter(|it| it.fract() == 0.0 && *it >= 1.0)) {
+            if !found.contains(&number) {
+                found.push(number);
+            }
         }
     }
     found

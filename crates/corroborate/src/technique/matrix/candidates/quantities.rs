@@ -82,29 +82,8 @@ pub(super) fn in_bindings(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -
             let start = place.span.start;
             start + span.start..start + span.end
         };
-        for (span, ..) in numbers_with_units(&place.text) {
-            let written = &place.text[span.clone()];
-            let Some(own) = Quantity::read(written) else {
-                continue;
-            };
-            let said = said(study, &readers, &own);
-            if said.iter().any(|(it, _)| it.is_same(&own)) {
-                continue;
-            }
-            let told = said.into_iter();
-            let told = told.map(|(it, by)| (it.text, Some(format!("the text of {by} says it"))));
-            for (new, hint) in told.chain(own.slips().map(|new| (new, None))) {
-                let edit = TextEdit {
-                    span: within(&span),
-                    old: written.to_owned(),
-                    is_said: hint.is_some(),
-                    ..binding((name, "trace"), place, new, Reach::Runs, hint)
-                };
-                add(edit, &mut found);
-            }
-        }
         let model = proposition.model.as_ref().map(|it| it.text.as_str());
-        for (span, new, hint) in bare(&place.text, model, &told_bare(study, &readers)) {
+        for (span, new, hint) in in_predicate(study, &place.text, model, &readers) {
             let edit = TextEdit {
                 span: within(&span),
                 old: place.text[span].to_owned(),
@@ -113,16 +92,35 @@ pub(super) fn in_bindings(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -
             };
             add(edit, &mut found);
         }
-        for (span, turned) in comparisons(&place.text) {
-            let old = place.text[span.clone()].to_owned();
-            let edit = TextEdit {
-                span: within(&span),
-                old,
-                ..binding((name, "trace"), place, turned.to_owned(), Reach::Runs, None)
-            };
-            add(edit, &mut found);
-        }
     }
+    found
+}
+
+/// What the numbers and the comparisons of a predicate may be instead, with their places and what says so: `model` is what the
+/// same means to models, `readers` whose texts speak of it.
+pub(super) fn in_predicate(
+    study: &Study,
+    text: &str,
+    model: Option<&str>,
+    readers: &[&SubjectForm],
+) -> Vec<(Range<usize>, String, Option<String>)> {
+    let mut found = Vec::new();
+    for (span, ..) in numbers_with_units(text) {
+        let Some(own) = Quantity::read(&text[span.clone()]) else {
+            continue;
+        };
+        let said = said(study, readers, &own);
+        if said.iter().any(|(it, _)| it.is_same(&own)) {
+            continue;
+        }
+        let told = said.into_iter();
+        let told = told.map(|(it, by)| (it.text, Some(format!("the text of {by} says it"))));
+        let others = told.chain(own.slips().map(|new| (new, None)));
+        found.extend(others.map(|(new, hint)| (span.clone(), new, hint)));
+    }
+    found.extend(bare(text, model, &told_bare(study, readers)));
+    let turned = comparisons(text).into_iter();
+    found.extend(turned.map(|(span, turned)| (span, turned.to_owned(), None)));
     found
 }
 
@@ -249,7 +247,7 @@ fn told_bare(study: &Study, readers: &[&SubjectForm]) -> Vec<(f64, String)> {
 }
 
 /// The numbers of a text in words that are no share and no duration, whatever their units.
-fn bare_in_text(text: &str) -> Vec<f64> {
+pub(super) fn bare_in_text(text: &str) -> Vec<f64> {
     const OTHERS: [&str; 12] = [
         "%", "percent", "of", "ms", "s", "second", "seconds", "min", "minutes", "minute", "h",
         "hours",

@@ -18,6 +18,16 @@ pub(super) const UNITS: [&str; 24] = [
     "deg/s", "g", "kg", "mN", "N", "kN", "mA", "A", "mV", "V",
 ];
 
+/// What names of fields end with for units that have a sign or another word here.
+const IN_NAMES: [(&str, &str); 6] = [
+    ("kn", "knot"),
+    ("kt", "knot"),
+    ("kts", "knot"),
+    ("kmh", "km/h"),
+    ("kph", "km/h"),
+    ("mps", "m/s"),
+];
+
 /// Quantities in the predicates of traces, with other units of their dimension.
 pub(super) fn quantities(study: &Study) -> Vec<TextEdit> {
     let mut found = Vec::new();
@@ -49,11 +59,14 @@ pub(super) fn numbers_with_units(text: &str) -> Vec<(Range<usize>, &str, &str)> 
     let mut found = Vec::new();
     let mut at = 0;
     for word in text.split_inclusive(' ') {
-        let (start, number) = (at, word.trim_end());
+        let bare = word.trim_start_matches(['[', '(']);
+        let (start, number) = (at + word.len() - bare.len(), bare.trim_end());
         at += word.len();
         let is_number = number.parse::<f64>().is_ok() && word.ends_with(' ');
         let rest = &text[at..];
-        let length = rest.find([' ', ')', '&', '|']).unwrap_or(rest.len());
+        let length = rest
+            .find([' ', ')', ']', ',', '&', '|'])
+            .unwrap_or(rest.len());
         let unit = &rest[..length];
         if is_number && UNITS.contains(&unit) {
             found.push((start..at + length, number, unit));
@@ -73,6 +86,14 @@ pub(super) fn other_units(unit: &str) -> Vec<&'static str> {
         value.is_some_and(|v| v.dimension() == own.dimension() && v.si_value() != own.si_value())
     };
     UNITS.iter().filter(is_other).copied().collect()
+}
+
+/// Whether a text is another unit of the same dimension.
+fn is_other_unit(unit: &str, other: &str) -> bool {
+    let parsed = |unit: &str| format!("1 {unit}").parse::<QuantityValue>().ok();
+    parsed(unit).zip(parsed(other)).is_some_and(|(own, other)| {
+        own.dimension() == other.dimension() && own.si_value() != other.si_value()
+    })
 }
 
 /// A signal of topics.toml.
@@ -139,8 +160,16 @@ impl Topics {
             if is_said(unit) {
                 continue;
             }
-            for other in other_units(unit) {
-                let says = is_said(other);
+            // A unit that is rarely written, if the field's name ends with it.
+            let named = signal.from.rsplit('_').next().unwrap_or_default();
+            let short = IN_NAMES
+                .iter()
+                .find(|(short, _)| *short == named.to_lowercase());
+            let named = short.map_or(named, |(_, unit)| unit);
+            let is_named = !UNITS.contains(&named) && is_other_unit(unit, named);
+            let others = other_units(unit).into_iter();
+            for other in others.chain(is_named.then_some(named)) {
+                let says = is_said(other) || is_named && other == named;
                 let hint = says.then(|| format!("its field is called `{}`", signal.from));
                 found.push(TextEdit {
                     file: TOPICS,

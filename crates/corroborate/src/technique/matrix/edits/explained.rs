@@ -7,6 +7,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Decades for an edit if requirements alone disagree, or for one of a duration if those with a limit of time alone do.
 pub(super) const STRUCTURE: f64 = 1.0;
 
+/// Decades against an edit with which what it changes is the same in all runs.
+pub(super) const PLAIN: f64 = -1.0;
+
 /// Decades for what mends pairs that otherwise need errors in several pieces, for each piece beyond the first.
 pub(super) const COINCIDENCE: f64 = 1.0;
 
@@ -164,26 +167,53 @@ pub(super) fn drop_limits_that_play_no_part(found: &mut Vec<Explained>) {
     found.retain(|_| kept.next().unwrap_or(true));
 }
 
+/// Whether it is the same in all runs.
+fn is_extreme(rate: Rate) -> bool {
+    match rate {
+        Rate::Counted {
+            count,
+            open,
+            trials,
+        } => count + open <= 0.0 || count >= trials,
+        Rate::Computed(value) => value <= SAME || value >= 1.0 - SAME,
+        Rate::Never => true,
+    }
+}
+
+fn rate_of(evidence: &[Evidence], id: &str, subject: &Subject) -> Option<Rate> {
+    let piece = evidence.iter().find(|piece| piece.id == id)?;
+    Rate::on(piece, subject)
+}
+
 impl Explained {
     /// Whether all that it makes agree is then the same in every run of every piece: who judges all runs alike agrees on
-    /// anything.
+    /// anything. So does a model that is certain where what it is held against is not.
     pub(super) fn is_constant(&self, evidence: &[Evidence]) -> bool {
-        let is_extreme = |rate: Rate| match rate {
-            Rate::Counted {
-                count,
-                open,
-                trials,
-            } => count + open <= 0.0 || count >= trials,
-            Rate::Computed(value) => value <= SAME || value >= 1.0 - SAME,
-            Rate::Never => true,
+        let of_pair = |(one, other, subject): &(String, String, Subject)| {
+            [one, other].map(|id| rate_of(evidence, id, subject))
         };
-        let rate = |id: &String, subject: &Subject| {
-            let piece = evidence.iter().find(|piece| &piece.id == id)?;
-            Rate::on(piece, subject)
+        let are_extreme = |pair| of_pair(pair).into_iter().flatten().all(is_extreme);
+        let is_contradicted = |pair| {
+            let [one, other] = of_pair(pair);
+            let is_certain = |it: Option<Rate>| {
+                matches!(it, Some(Rate::Computed(_))) && it.is_some_and(is_extreme)
+            };
+            let is_counted = |it: Option<Rate>| {
+                matches!(it, Some(Rate::Counted { .. })) && it.is_some_and(|it| !is_extreme(it))
+            };
+            is_certain(one) && is_counted(other) || is_certain(other) && is_counted(one)
         };
+        self.pairs.keys().all(are_extreme) || self.pairs.keys().any(is_contradicted)
+    }
+
+    /// Whether the pieces that it changes are then each the same in all their runs, where others are not.
+    pub(super) fn is_plain(&self, before: &[Evidence], after: &[Evidence]) -> bool {
         self.pairs.keys().all(|(one, other, subject)| {
-            let rates = [one, other].map(|id| rate(id, subject));
-            rates.into_iter().flatten().all(is_extreme)
+            let changed = [one, other].into_iter().filter_map(|id| {
+                let is = rate_of(after, id, subject)?;
+                (rate_of(before, id, subject) != Some(is)).then_some(is)
+            });
+            changed.into_iter().all(is_extreme)
         })
     }
 
