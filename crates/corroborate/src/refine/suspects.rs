@@ -119,6 +119,7 @@ impl Offering<'_> {
                     let tried = tried.unwrap_or_default();
                     let ground = ground(self.study, self.result);
                     let left = ground.most_disagreement(&evidence, change.1.at_last());
+                    let left = left.map(|(subject, left)| (subject.clone(), left));
                     let mut new =
                         model_proposal(self.result, asset, &before, (suspect, tried), change);
                     if let Some((subject, _)) = left.filter(|(_, left)| *left > STRONG) {

@@ -14,8 +14,8 @@
 //! the proportion of the sets with the one and without the other.
 //!
 //! The runs of simulators and recordings are all read through the same words and the same monitor. Where several pieces are
-//! read so and all of them are in `W`, what they are read through may be wrong in their place: one error with one rate, which
-//! has the prior [`READING`]. What such sets weigh is the part of the blame that the reading has.
+//! read so, or one that comes out alike in all its runs, and all of them are in `W`, what they are read through may be wrong in
+//! their place: one error with one rate, which has the prior [`READING`]. What such sets weigh is the part of the blame that the reading has.
 //!
 //! # Source and guarantee
 //! Bayes' theorem over all sets (H. Jeffreys, "Theory of Probability", 1961, section 5.04, for the prior of each further
@@ -90,6 +90,16 @@ impl Matter<'_> {
             .map(|(place, _)| 1_usize << place)
             .sum();
         let is_read = |place: usize| read >> place & 1 == 1;
+        let is_alike = |piece: &Piece<'_>| match piece.rate {
+            Rate::Counted {
+                count,
+                open,
+                trials,
+            } => count + open <= 0.0 || count >= trials,
+            Rate::Computed(_) | Rate::Never => false,
+        };
+        let are_alike = (0..pieces.len()).all(|place| !is_read(place) || is_alike(&pieces[place]));
+        let may_be_misread = read.count_ones() > 1 || read != 0 && are_alike;
         // Of each of the two as it is, and of what each is read through.
         let mut weights: [Vec<f64>; 4] = [const { Vec::new() }; 4];
         for set in 1_usize..1 << pieces.len() {
@@ -108,7 +118,7 @@ impl Matter<'_> {
             }
             let together = ln_together(&right, margin);
             weights[of].push(ln_wrong(&wrong, subject, margin) + together);
-            if read.count_ones() > 1 && set & read == read {
+            if may_be_misread && set & read == read {
                 let (through, rest): (Vec<&Piece<'_>>, Vec<&Piece<'_>>) =
                     wrong.iter().partition(|it| is_read_from_runs(it.evidence));
                 let rates: Vec<Rate> = through.iter().map(|it| it.rate).collect();

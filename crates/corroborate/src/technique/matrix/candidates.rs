@@ -186,6 +186,13 @@ pub(super) fn candidates(
                     .as_ref()
                     .and_then(|it| topics::reads(&it.text, signal));
                 place.is_some() && is_judged(name)
+            }) || study.forms.subjects.iter().any(|form| {
+                let rule = form.monitor.as_ref().map(|it| &it.rule);
+                let text = match rule {
+                    Some(Rule::Formula(rule)) => rule.text.as_str(),
+                    Some(Rule::Staged(_)) | None => "",
+                };
+                disagrees(&form.subject) && topics::reads(text, signal).is_some()
             })
         };
         found.extend(scales::of_topics(&text, &is_read));
@@ -297,6 +304,13 @@ fn is_named_after(text: &str, proposition: &str) -> bool {
         let is_end = |c: Option<char>| c.is_none_or(|c| !c.is_ascii_alphanumeric());
         is_end(before.chars().next_back()) && is_end(after.chars().next())
     })
+}
+
+/// A number with six digits that count.
+pub(super) fn significant(value: f64) -> String {
+    let digits = 5 - value.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
+    let scale = 10.0_f64.powi(digits);
+    format!("{}", (value * scale).round() / scale)
 }
 
 fn plain(text: &str) -> String {

@@ -8,7 +8,8 @@
 //! more. Its *score* is what goes away on them, less what comes up anywhere else; it is dropped if more than [`STRONG`]
 //! comes up, since chance alone moves the weaker pairs. What a table has the wrong way round ([`evidence::put_right`]) is
 //! weighed as an edit is, and one that explains more takes the edits' place; likewise a number of a formal model that is solved
-//! for ([`super::lines`]), at [`FREE_VALUE`] decades less. Of those that are left the ones that explain most are clues, and
+//! for ([`super::lines`]), at [`FREE_VALUE`] decades less, and one that runs are read through ([`solved`]), which is looked for
+//! where nothing says a value that explains what disagrees. Of those that are left the ones that explain most are clues, and
 //! those that explain as much are named with them. An edit with which every run of every piece is judged alike (a limit that
 //! nothing keeps) explains nothing by that, unless something else in the study says its very value; nor does one with which a
 //! model is certain of what others saw both ways.
@@ -43,6 +44,7 @@
 
 mod explained;
 pub(crate) mod scratch;
+mod solved;
 
 use super::candidates::{Reach, TextEdit, candidates, limits};
 use super::lines::{OfModel, OfModels};
@@ -108,6 +110,15 @@ enum After {
     All(Vec<Evidence>),
 }
 
+/// What edits are tried on.
+struct Context<'a> {
+    scratch: &'a Scratch,
+    now: &'a ModelValues,
+    before: &'a Pairs,
+    strong: &'a BTreeSet<&'a Subject>,
+    few: &'a Pairs,
+}
+
 impl Diagnosing<'_> {
     /// Looks for single edits that explain strong disagreement.
     pub(super) fn edits(&self, offered: &OfModels, gathered: &mut Gathered) -> Result<(), Problem> {
@@ -125,39 +136,25 @@ impl Diagnosing<'_> {
         let few = self.few_as_they_are(&scratch, &now);
         let all = candidates(self.study, &|subject| strong.contains(subject))?;
         let free: Vec<TextEdit> = all.iter().filter(|it| it.is_free()).cloned().collect();
-        for edit in all {
-            self.setting.go_on()?;
-            // An edit with which the study cannot be read is none.
-            let after = scratch
-                .with(&edit)
-                .and_then(|study| self.after(&study, &scratch, (&edit, &now), (&strong, &few)));
-            self.setting.go_on()?;
-            let Ok(after) = after else { continue };
+        let context = Context {
+            scratch: &scratch,
+            now: &now,
+            before: &before,
+            strong: &strong,
+            few: &few,
+        };
+        for edit in all.iter().cloned() {
+            let outcome = self.tried(edit, &context)?;
+            let Some((is_telling, explains)) = outcome else {
+                continue;
+            };
             tried += 1;
-            let evidence = match after {
-                After::Little { is_telling } => {
-                    telling += u32::from(is_telling);
-                    continue;
-                }
-                After::All(evidence) => evidence,
-            };
-            let after = self.disagreements(&evidence);
-            telling += u32::from(after != before);
-            let is_timed = |subject: &Subject| {
-                let form = self.study.forms.of(subject);
-                form.is_some_and(|form| limits::is_timed(self.study, form))
-            };
-            let is_said = edit.is_said;
-            let explained = explained(edit, &before, &after, &is_timed);
-            let explained = explained.filter(|it| is_said || !it.is_constant(&evidence));
-            found.extend(explained.map(|it| Explained {
-                hides: self.hidden_by(&evidence),
-                prior: match !is_said && it.is_plain(&self.result.evidence, &evidence) {
-                    true => PLAIN,
-                    false => 0.0,
-                },
-                ..it
-            }));
+            telling += u32::from(is_telling);
+            found.extend(explains);
+        }
+        // What is suggested by nothing is looked for where nothing says a value that explains what disagrees.
+        if found.iter().all(|it| !it.edit.is_said) {
+            found.extend(self.with_solved(&all, &context)?);
         }
         for it in &mut found {
             let hint = match (&it.edit.hint, it.edit.is_said) {
@@ -175,6 +172,69 @@ impl Diagnosing<'_> {
         let rival = rival.max_by(f64::total_cmp);
         self.named(gathered, found, rival, [tried, telling]);
         Ok(())
+    }
+
+    /// What numbers explain that are solved for, of each the round value with the fewest digits that does.
+    fn with_solved(
+        &self,
+        tried: &[TextEdit],
+        context: &Context<'_>,
+    ) -> Result<Vec<Explained>, Problem> {
+        let mut found = Vec::new();
+        for rounded in self.solved(context, tried)? {
+            for (edit, cost) in rounded {
+                let Some((_, Some(mut explains))) = self.tried(edit, context)? else {
+                    continue;
+                };
+                explains.prior -= cost;
+                found.push(explains);
+                break;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether an edit changes how pieces agree, and what it explains; nothing if the study cannot be read with it.
+    fn tried(
+        &self,
+        edit: TextEdit,
+        context: &Context<'_>,
+    ) -> Result<Option<(bool, Option<Explained>)>, Problem> {
+        let Context {
+            scratch,
+            now,
+            before,
+            strong,
+            few,
+        } = context;
+        self.setting.go_on()?;
+        let after = scratch
+            .with(&edit)
+            .and_then(|study| self.after(&study, scratch, (&edit, now), (strong, few)));
+        self.setting.go_on()?;
+        let evidence = match after {
+            Err(_) => return Ok(None),
+            Ok(After::Little { is_telling }) => return Ok(Some((is_telling, None))),
+            Ok(After::All(evidence)) => evidence,
+        };
+        let after = self.disagreements(&evidence);
+        let is_telling = after != **before;
+        let is_timed = |subject: &Subject| {
+            let form = self.study.forms.of(subject);
+            form.is_some_and(|form| limits::is_timed(self.study, form))
+        };
+        let is_said = edit.is_said;
+        let explained = explained(edit, before, &after, &is_timed);
+        let explained = explained.filter(|it| is_said || !it.is_constant(&evidence));
+        let explained = explained.map(|it| Explained {
+            hides: self.hidden_by(&evidence),
+            prior: match !is_said && it.is_plain(&self.result.evidence, &evidence) {
+                true => PLAIN,
+                false => 0.0,
+            },
+            ..it
+        });
+        Ok(Some((is_telling, explained)))
     }
 
     /// Pieces whose runs cannot be judged again, since none is kept.

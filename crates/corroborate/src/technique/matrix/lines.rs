@@ -15,7 +15,7 @@ use crate::refine::proposal::{Asset, current, ground, of_model};
 use crate::refine::solver::Solver;
 use crate::technique::kinds::{Asked, TreeChange, tree_values};
 use diagnostic::Problem;
-use evidence::{Measure, STRONG, Subject, Suspect, SuspectKind};
+use evidence::{Measure, STRONG, Subject, Suspect, SuspectKind, Symptom};
 use host::{Events, Host};
 use refinement::{Changed, ModelChange, NamedOffer, Trial, Values};
 use std::collections::BTreeMap;
@@ -185,6 +185,14 @@ impl Diagnosing<'_> {
                     first.number.value,
                     first.counts.words()
                 ));
+                // What it is to be instead can be offered.
+                suspect.symptoms.push(Symptom::EditExplains {
+                    subject: first.subject.clone(),
+                    found: text[first.number.span.clone()].to_owned(),
+                    instead: super::candidates::significant(first.value),
+                    pairs: vec![[entry.id.clone(), first.counts.evidence.clone()]],
+                    share: 1.0,
+                });
                 let file = suspect.asset.file.clone().unwrap_or_default();
                 let others = own.filter_map(|it| Some(format!("{file}:{}", line(it)?)));
                 suspect.asset.together.extend(others);

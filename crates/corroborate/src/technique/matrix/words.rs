@@ -15,7 +15,9 @@
 
 use super::Diagnosing;
 use super::candidates::of_monitor;
-use evidence::{Evidence, Rate, STRONG, Subject, Suspect, SuspectKind, Symptom, signed_strength};
+use evidence::{
+    CERTAIN, Evidence, Rate, STRONG, Subject, Suspect, SuspectKind, Symptom, signed_strength,
+};
 
 /// What a suspect's part ends with that is what several pieces are read through.
 const READ: &str = ", as read from runs";
@@ -28,15 +30,60 @@ struct Place {
     is_confirmed: bool,
 }
 
+/// Whether a suspect is what several pieces are read through.
+fn is_reading(suspect: &Suspect) -> bool {
+    let part = suspect.asset.part.as_deref().unwrap_or_default();
+    suspect.asset.kind == SuspectKind::Vocabulary && part.ends_with(READ)
+}
+
+/// Whether a suspect is a single edit of what runs are read through that explains what the reading is suspected for.
+fn is_way_of(suspect: &Suspect, reading: &Suspect) -> bool {
+    let part = suspect.asset.part.as_deref().unwrap_or_default();
+    let is_of_models = ["model", "property", "column"]
+        .iter()
+        .any(|end| part.ends_with(&format!(", {end}")));
+    suspect.is_open()
+        && !is_of_models
+        && suspect.symptoms.iter().any(|symptom| match symptom {
+            Symptom::EditExplains { subject, pairs, .. } => {
+                let read = &reading.asset.evidence;
+                reading.subjects.contains(subject)
+                    && pairs.iter().flatten().any(|id| read.contains(id))
+            }
+            _ => false,
+        })
+}
+
 impl Diagnosing<'_> {
-    /// Places what several pieces are read through in the files.
-    pub(super) fn readings(&self, suspects: &mut [Suspect]) {
+    /// Places what several pieces are read through in the files. Where single edits of it explain what disagrees, the best of
+    /// them is what is suspected: that something of it is wrong speaks for them.
+    pub(super) fn readings(&self, suspects: &mut Vec<Suspect>) {
+        let all = std::mem::take(suspects);
+        let (readings, mut rest): (Vec<Suspect>, Vec<Suspect>) =
+            all.into_iter().partition(is_reading);
+        for reading in readings {
+            let best = rest.iter_mut().filter(|it| is_way_of(it, &reading));
+            match best.max_by(|a, b| a.score.total_cmp(&b.score)) {
+                Some(edit) => edit.score = (edit.score + reading.score).min(CERTAIN),
+                None => rest.push(reading),
+            }
+        }
+        // Of equal scores the order of the ranks stays.
+        rest.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.rank.cmp(&b.rank)));
+        for (rank, suspect) in (1..).zip(&mut rest) {
+            suspect.rank = rank;
+        }
+        *suspects = rest;
+        self.place_readings(suspects);
+    }
+
+    fn place_readings(&self, suspects: &mut [Suspect]) {
         let apart = self.disagreements(&self.result.evidence);
         let disagrees = |subject: &Subject| {
             let mut own = apart.iter().filter(|((.., it), _)| it == subject);
             own.any(|(_, apart)| *apart > STRONG)
         };
-        for suspect in suspects {
+        for suspect in suspects.iter_mut() {
             let part = suspect.asset.part.as_deref().unwrap_or_default();
             let is_reading = suspect.asset.kind == SuspectKind::Vocabulary && part.ends_with(READ);
             let subject = suspect.subjects.first();

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(super) const STRUCTURE: f64 = 1.0;
 
 /// Decades against an edit with which what it changes is the same in all runs.
-pub(super) const PLAIN: f64 = -1.0;
+pub(super) const PLAIN: f64 = -1.5;
 
 /// Decades for what mends pairs that otherwise need errors in several pieces, for each piece beyond the first.
 pub(super) const COINCIDENCE: f64 = 1.0;

@@ -1,0 +1,193 @@
+//! Numbers that runs are read through, solved for where nothing says a value that explains what disagrees.
+//!
+//! # Definition
+//! Looked at is each number in a text that the runs of several techniques are judged by (a parameter, a limit in a predicate or
+//! a formula, a scale) for which a slip was tried. From its present value it is moved by factors of 2, 4, 8 and 32 either way until
+//! the pieces that are read from runs pass the rate of the other pieces; the crossing is enclosed by halving on a logarithmic
+//! scale. People write round numbers: of the solution's values with one, two and three digits that count the first is
+//! taken with which the pieces agree.
+//!
+//! # Guarantee
+//! None: it has a free value. It pays for the choice among all round values with as many digits within [`DECADES`] decades: the
+//! logarithm of their number. What is named was judged anew on all evidence.
+//!
+//! # Cost
+//! Some fifteen times what an edit costs for each of at most [`MOST_PLACES`] numbers.
+
+use super::{Context, Diagnosing, FEW_RUNS, TextEdit};
+use crate::technique::matrix::candidates::Reach;
+use diagnostic::Problem;
+use evidence::{Evidence, Rate, Subject};
+
+/// Numbers that are solved for, at most.
+const MOST_PLACES: usize = 10;
+
+/// How far a number is moved, by turns.
+const FACTORS: [f64; 4] = [2.0, 4.0, 8.0, 32.0];
+
+/// How often the bracket is halved.
+const HALVINGS: u32 = 8;
+
+/// Decades over which a round value may lie.
+const DECADES: f64 = 2.0;
+
+/// Digits that a round number has at most.
+const MOST_DIGITS: i32 = 3;
+
+/// A number in a text, with what stands around it: of `<=8 N` it is `<=`, 8 and ` N`.
+struct Written<'t> {
+    before: &'t str,
+    value: f64,
+    behind: &'t str,
+}
+
+impl<'t> Written<'t> {
+    fn read(text: &'t str) -> Option<Self> {
+        let start = text.find(|c: char| c.is_ascii_digit() || c == '-' || c == '.')?;
+        let rest = &text[start..];
+        let end = rest.find(|c: char| !(c.is_ascii_digit() || "-._".contains(c)));
+        let (number, behind) = rest.split_at(end.unwrap_or(rest.len()));
+        let value = number.replace('_', "").parse().ok()?;
+        Some(Self {
+            before: &text[..start],
+            value,
+            behind,
+        })
+    }
+
+    fn with(&self, value: f64, digits: i32) -> String {
+        let places = digits - 1 - value.abs().log10().floor() as i32;
+        let scale = 10.0_f64.powi(places);
+        let rounded = (value * scale).round() / scale;
+        format!("{}{}{}", self.before, rounded, self.behind)
+    }
+}
+
+impl Diagnosing<'_> {
+    /// Edits of numbers that runs are read through, each with a round value with which these have the rate of all other
+    /// evidence, and the decades that its choice costs; the values with few digits first.
+    pub(super) fn solved(
+        &self,
+        context: &Context<'_>,
+        tried: &[TextEdit],
+    ) -> Result<Vec<Vec<(TextEdit, f64)>>, Problem> {
+        let mut places: Vec<&TextEdit> = Vec::new();
+        for edit in tried {
+            let is_read = matches!(edit.reach, Reach::Runs | Reach::All);
+            let is_number = edit.is_number() && !edit.new.contains('\n') && !edit.is_said;
+            let is_new = places.iter().all(|it| !it.is_of_place(edit));
+            if is_read && is_number && is_new && places.len() < MOST_PLACES {
+                places.push(edit);
+            }
+        }
+        let mut found = Vec::new();
+        for place in places {
+            for subject in context.strong {
+                self.setting.go_on()?;
+                let solved = self.crossing(context, (place, subject));
+                // A number with which the study cannot be read is none.
+                if let Some((written, value)) = solved {
+                    let rounded = (1..=MOST_DIGITS).map(|digits| {
+                        let edit = TextEdit {
+                            new: written.with(value, digits),
+                            hint: None,
+                            ..place.clone()
+                        };
+                        let choices = 9.0 * 10.0_f64.powi(digits - 1) * DECADES;
+                        (edit, choices.log10())
+                    });
+                    found.push(rounded.filter(|(it, _)| it.new != it.old).collect());
+                    break;
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// The value with which the pieces that are read from runs have the rate of the others on a subject.
+    fn crossing<'e>(
+        &self,
+        context: &Context<'_>,
+        (place, subject): (&'e TextEdit, &Subject),
+    ) -> Option<(Written<'e>, f64)> {
+        let written = Written::read(&place.old)?;
+        let is_run = |piece: &&Evidence| {
+            let entry = self.study.entry(&piece.id);
+            entry.is_ok_and(|entry| self.runs_of(entry).is_some())
+        };
+        let mean = |evidence: &[Evidence], of_runs: bool| {
+            let pieces = evidence
+                .iter()
+                .filter(|it| is_run(it) == of_runs && !it.intermediate);
+            let rates: Vec<f64> = pieces
+                .filter_map(|it| share(Rate::on(it, subject)?))
+                .collect();
+            (!rates.is_empty()).then(|| rates.iter().sum::<f64>() / rates.len() as f64)
+        };
+        let target = mean(&self.result.evidence, false)?;
+        let above = |factor: f64| {
+            let edit = TextEdit {
+                new: written.with(written.value * factor, MOST_DIGITS + 3),
+                ..place.clone()
+            };
+            let study = context.scratch.with(&edit).ok()?;
+            let edit = (&edit, context.now);
+            let evidence = self.produced_with(&study, context.scratch, edit, FEW_RUNS);
+            let evidence = evidence.ok()?;
+            Some(mean(&evidence, true)? > target)
+        };
+        let start = mean(&self.result.evidence, true)? > target;
+        let mut ends = [(1.0_f64, true), (1.0, true)];
+        for factor in FACTORS {
+            for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
+                let (near, goes_on) = *end;
+                if !goes_on {
+                    continue;
+                }
+                let far = factor.powf(sign);
+                match above(far) {
+                    None => end.1 = false,
+                    Some(is_above) if is_above == start => end.0 = far,
+                    Some(_) => {
+                        let (mut near, mut far) = (near.ln(), far.ln());
+                        for _ in 0..HALVINGS {
+                            let middle = (near + far) / 2.0;
+                            match above(middle.exp())? == start {
+                                true => near = middle,
+                                false => far = middle,
+                            }
+                        }
+                        let factor = ((near + far) / 2.0).exp();
+                        let value = written.value * factor;
+                        return Some((written, value));
+                    }
+                }
+            }
+        }
+        None
+    }
+}
+
+fn share(rate: Rate) -> Option<f64> {
+    match rate {
+        Rate::Counted { count, trials, .. } => (trials > 0.0).then(|| count / trials),
+        Rate::Computed(value) => Some(value),
+        Rate::Never => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Written;
+
+    #[test]
+    fn a_number_is_replaced_with_what_stands_around_it() {
+        let of =
+            |text, value, digits| Written::read(text).map(|it: Written<'_>| it.with(value, digits));
+        assert_eq!(of("8 N", 7.96, 1).as_deref(), Some("8 N"));
+        assert_eq!(of("0.13", 0.1043, 1).as_deref(), Some("0.1"));
+        assert_eq!(of("0.13", 0.1043, 3).as_deref(), Some("0.104"));
+        assert_eq!(of("<=120", 148.7, 2).as_deref(), Some("<=150"));
+        assert_eq!(of("N", 1.0, 1), None);
+    }
+}
