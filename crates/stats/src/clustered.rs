@@ -276,10 +276,15 @@ pub fn clustered_rate_among(
 /// ```
 #[must_use]
 pub fn clustered_test_below(worth: EffectiveSample, threshold: f64) -> f64 {
+    let exact = || binomial_test_below(worth, threshold);
     if worth.is_informative() && threshold > 0.5 && threshold < 1.0 {
-        normal_cdf(score(worth, threshold))
+        let by_score = normal_cdf(score(worth, threshold));
+        match has_one_outcome(worth) {
+            true => by_score.max(exact()),
+            false => by_score,
+        }
     } else {
-        binomial_test_below(worth, threshold)
+        exact()
     }
 }
 
@@ -287,11 +292,22 @@ pub fn clustered_test_below(worth: EffectiveSample, threshold: f64) -> f64 {
 /// evidence that it is above. `worth` is [`ClusteredRate::worth`].
 #[must_use]
 pub fn clustered_test_above(worth: EffectiveSample, threshold: f64) -> f64 {
+    let exact = || binomial_test_above(worth, threshold);
     if worth.is_informative() && threshold < 0.5 && threshold > 0.0 {
-        normal_cdf(-score(worth, threshold))
+        let by_score = normal_cdf(-score(worth, threshold));
+        match has_one_outcome(worth) {
+            true => by_score.max(exact()),
+            false => by_score,
+        }
     } else {
-        binomial_test_above(worth, threshold)
+        exact()
     }
+}
+
+/// Whether all trials came out alike. Then no likelihood of the subjects' counts is there to know how alike they are, and the
+/// tail of a few independent trials is far from normal: of two who always succeed it is the threshold squared.
+fn has_one_outcome(worth: EffectiveSample) -> bool {
+    worth.successes <= 0.0 || worth.successes >= worth.trials
 }
 
 /// By how many standard deviations under the threshold the rate differs from it.
@@ -331,6 +347,37 @@ pub(crate) fn as_wide_as(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Of subjects who always succeed, each as one trial, the p-value is at least that of so many trials, at any threshold.
+    #[test]
+    fn of_one_outcome_the_tail_is_at_least_exact() {
+        for subjects in [2.0, 3.0, 5.0, 12.0] {
+            for threshold in [0.1, 0.3, 0.45, 0.5, 0.7, 0.95, 0.99] {
+                let (all, none) = (
+                    EffectiveSample {
+                        successes: subjects,
+                        trials: subjects,
+                    },
+                    EffectiveSample {
+                        successes: 0.0,
+                        trials: subjects,
+                    },
+                );
+                let exact = f64::powf(threshold, subjects);
+                let above = clustered_test_above(all, threshold);
+                assert!(
+                    above >= exact * (1.0 - 1e-9),
+                    "{subjects} {threshold}: {above}"
+                );
+                let below = clustered_test_below(none, threshold);
+                let exact = f64::powf(1.0 - threshold, subjects);
+                assert!(
+                    below >= exact * (1.0 - 1e-9),
+                    "{subjects} {threshold}: {below}"
+                );
+            }
+        }
+    }
 
     fn samples(counts: &[(u64, u64)]) -> Vec<Sample> {
         counts
