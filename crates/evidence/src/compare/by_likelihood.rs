@@ -26,7 +26,7 @@
 
 use super::Belief;
 use super::ends::{End, Ends};
-use super::pair::to_agree_with;
+use super::pair::{to_agree_with, without_rounding};
 use super::uncertain::Uncertain;
 use stats::special::{chi_squared_sf, normal_quantile, normal_sf};
 use stats::{EffectiveSample, Interval};
@@ -187,6 +187,7 @@ impl<'b> Side<'b> {
 
     /// p-value of "the rate is at most this".
     fn p_above(&self, rate: f64) -> f64 {
+        let rate = without_rounding(rate);
         if rate < 0.0 {
             0.0
         } else {
@@ -196,6 +197,7 @@ impl<'b> Side<'b> {
 
     /// p-value of "the rate is at least this".
     fn p_below(&self, rate: f64) -> f64 {
+        let rate = without_rounding(rate);
         if rate > 1.0 {
             0.0
         } else {

@@ -658,10 +658,21 @@ fn tails_beyond(posterior: &BetaPosterior, bounds: &Interval) -> f64 {
     (2.0 * posterior.cdf(bounds.high).min(posterior.sf(bounds.low))).min(1.0)
 }
 
+/// A bound with a margin added, without what rounding adds: no rate lies beyond 1, but counts do not speak against 1 because
+/// a computed 0.9 is a little more.
+pub(super) fn without_rounding(bound: f64) -> f64 {
+    const ROUNDING: f64 = 1e-9;
+    let nearest = bound.clamp(0.0, 1.0);
+    match (bound - nearest).abs() <= ROUNDING {
+        true => nearest,
+        false => bound,
+    }
+}
+
 /// Two one-sided exact tests of a count against a probability between bounds, at the neighbouring whole numbers with the
 /// largest p-value.
 fn exact_tost(sample: Sample, effective: EffectiveSample, bounds: &Interval, margin: f64) -> f64 {
-    let (floor, ceiling) = (bounds.high - margin, bounds.low + margin);
+    let [floor, ceiling] = [bounds.high - margin, bounds.low + margin].map(without_rounding);
     let both = |whole: Sample| {
         let not_below = match floor < 0.0 {
             true => 0.0,

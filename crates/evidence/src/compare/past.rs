@@ -15,7 +15,7 @@
 
 use super::Belief;
 use super::ends::End;
-use super::pair::{Pair, to_agree_with};
+use super::pair::{Pair, to_agree_with, without_rounding};
 use stats::{Sample, ScoredLook, continued_above, continued_below, continued_p, continued_rejects};
 use std::rc::Rc;
 
@@ -124,7 +124,8 @@ impl Past {
             }
         }
         let bounds = to_agree_with(known);
-        let (floor, ceiling) = (bounds.high - pair.margin(), bounds.low + pair.margin());
+        let ends = [bounds.high - pair.margin(), bounds.low + pair.margin()];
+        let [floor, ceiling] = ends.map(without_rounding);
         let not_below = match floor < 0.0 {
             true => 0.0,
             false => continued_above(&samples, floor),
