@@ -33,6 +33,7 @@ mod limits_of_time;
 mod one_person;
 mod persistent_command;
 mod planted_clauses;
+mod planted_forms;
 mod planted_numbers;
 mod planted_values;
 mod rare;

@@ -339,7 +339,12 @@ impl Pair {
                 }
             }
             (first, second) => match (first.posterior(), second.posterior()) {
-                (Some(a), Some(b)) => posterior_difference(&a, &b),
+                // A distribution is what counts said: two posteriors are further apart than the counts by an exact test.
+                (Some(a), Some(b)) => {
+                    let exact = as_counts(first).zip(as_counts(second));
+                    let exact = exact.map_or(0.0, |(a, b)| at_effective_size(boschloo_exact, a, b));
+                    posterior_difference(&a, &b).max(exact)
+                }
                 (Some(a), None) => tails_beyond(&a, &second.interval(Confidence::P95)),
                 (None, Some(b)) => tails_beyond(&b, &first.interval(Confidence::P95)),
                 (None, None) => 1.0,
@@ -629,6 +634,27 @@ fn at_effective_size(
         }
     }
     largest
+}
+
+/// The counts of a side, or those of which a distribution is the posterior by Jeffreys' prior; none where it is narrower or
+/// wider than that of any counts.
+fn as_counts(belief: &Belief) -> Option<(Sample, EffectiveSample)> {
+    match belief {
+        Belief::Counts {
+            sample, effective, ..
+        } => Some((*sample, *effective)),
+        Belief::Distribution { posterior, .. } => {
+            let (alpha, beta) = posterior.parameters();
+            let (successes, failures) = (alpha - 0.5, beta - 0.5);
+            let trials = successes + failures;
+            let is_of_counts = successes > -1e-6 && failures > -1e-6 && trials >= 1.0;
+            let successes = successes.clamp(0.0, trials);
+            // One trial more than there are, so that what is rounded is rounded down.
+            let sample = Sample::new(successes.ceil() as u64, trials.ceil() as u64 + 1).ok()?;
+            is_of_counts.then_some((sample, EffectiveSample { successes, trials }))
+        }
+        Belief::Known { .. } | Belief::Range { .. } => None,
+    }
 }
 
 /// The two-sided exact test against the bound nearest to the rate.

@@ -198,6 +198,11 @@ impl Matter<'_> {
             let odds = 10.0_f64.powf(odds);
             odds / (1.0 + odds)
         });
+        // Of two tables that are each other's contrary either may be the one.
+        let share = match super::exchanged::is_table(against) {
+            true => share / 2.0,
+            false => share,
+        };
         let taken = (whole - rest) * share;
         let mut asset = self.table_and_words(piece, subject);
         if !found.are_all {

@@ -441,6 +441,12 @@ impl<'a> Matter<'a> {
         let finding = piece.finding(subject);
         let value = finding.and_then(|f| f.measure.estimate());
         let runs = finding.map_or_else(Vec::new, |f| f.witnesses.clone());
+        // What something else takes of it is said, so that a pair has one figure.
+        let whole = self.difference(piece, against, subject).max(left);
+        let rest = match whole - left > 0.05 {
+            true => format!(", of which 10^{left:.1} is left for these"),
+            false => String::new(),
+        };
         Clue {
             inaccuracy: Inaccuracy::SystemModel,
             asset: self.asset_of(piece, subject),
@@ -448,7 +454,7 @@ impl<'a> Matter<'a> {
             score: left * share,
             title: format!("{} differs in {}", piece.id, name_of(subject)),
             explanation: format!(
-                "{} against {}: a conflict on {} with a Bayes factor of 10^{left:.1}, with probability {share:.2} the odd one out.",
+                "{} against {}: a conflict on {} with a Bayes factor of 10^{whole:.1}{rest}, with probability {share:.2} the odd one out.",
                 rate_in_words(piece, subject),
                 rate_in_words(against, subject),
                 name_of(subject)

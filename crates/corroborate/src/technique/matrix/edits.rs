@@ -174,7 +174,7 @@ impl Diagnosing<'_> {
         Ok(())
     }
 
-    /// What numbers explain that are solved for, of each the round value with the fewest digits that does.
+    /// What numbers explain that are solved for, of each the round value that does so best for its cost.
     fn with_solved(
         &self,
         tried: &[TextEdit],
@@ -182,14 +182,20 @@ impl Diagnosing<'_> {
     ) -> Result<Vec<Explained>, Problem> {
         let mut found = Vec::new();
         for rounded in self.solved(context, tried)? {
+            let mut best: Option<Explained> = None;
             for (edit, cost) in rounded {
                 let Some((_, Some(mut explains))) = self.tried(edit, context)? else {
                     continue;
                 };
                 explains.prior -= cost;
-                found.push(explains);
-                break;
+                if best
+                    .as_ref()
+                    .is_none_or(|it| it.weight() < explains.weight())
+                {
+                    best = Some(explains);
+                }
             }
+            found.extend(best);
         }
         Ok(found)
     }

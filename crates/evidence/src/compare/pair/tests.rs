@@ -168,3 +168,27 @@ fn ranges_are_compared_by_their_nearest_values() {
     assert!(point.shows_agreement(Confidence::P95));
     assert!((point.difference() + 0.02).abs() < 1e-12);
 }
+
+/// A constant that was set to a few trials knows no more than these: what they do not show beside others, it does not.
+#[test]
+fn a_number_that_was_set_to_counts_differs_no_more_than_the_counts() {
+    let set_to = |successes, trials| {
+        let sample = Sample::new(successes, trials).expect("counts");
+        let posterior = stats::BetaPosterior::jeffreys(sample);
+        Belief::Distribution {
+            value: successes as f64 / trials as f64,
+            posterior,
+            quantiles: None,
+        }
+    };
+    for ((a, n), (b, m)) in [
+        ((5, 5), (36, 60)),
+        ((5, 5), (33, 60)),
+        ((1, 5), (0, 60)),
+        ((1, 1), (0, 30)),
+    ] {
+        let counted = Pair::new(counts(a, n), counts(b, m), 0.1).p_difference();
+        let set = Pair::new(set_to(a, n), counts(b, m), 0.1).p_difference();
+        assert!(set >= counted * 0.999, "{a}/{n} {b}/{m}: {set} {counted}");
+    }
+}

@@ -193,3 +193,54 @@ fn traces_without_a_verdict_may_all_count_and_may_all_not() {
     assert_eq!(cell.share_near(0.2), 0.2);
     assert_eq!(cell.share_near(0.01), 0.055);
 }
+
+/// Runs of a simulator and recordings are read through the same words: where both differ from what people counted, the words
+/// are named before the table; where one of them agrees with it, they are not.
+#[test]
+fn a_simulator_and_recordings_that_agree_accuse_what_both_are_read_through() {
+    let read = |id: &str, technique, count: u64| {
+        let mut finding = counted(requirement("3"), count, 100);
+        finding.witnesses = vec!["run-1".to_owned()];
+        piece(id, technique, &format!("{id}.csv"), vec![finding])
+    };
+    let table = |count| {
+        let counted = vec![counted(requirement("3"), count, 300)];
+        piece("X", Technique::Experiment, "x.csv", counted)
+    };
+    let among = |ledger: &[Evidence], pairs: &[[&str; 2]]| {
+        let all = pairs.iter();
+        let all: Vec<Comparison> = all
+            .map(|[one, other]| conflict(requirement("3"), one, other))
+            .collect();
+        ranked(ledger, &all, vec![])
+    };
+    let ledger = [
+        read("S", Technique::Simulation, 55),
+        read("O", Technique::Experiment, 52),
+        table(292),
+    ];
+    let found = among(&ledger, &[["S", "X"], ["O", "X"]]);
+    let [first, second, ..] = found.as_slice() else {
+        panic!("{found:?}");
+    };
+    assert_eq!(first.asset.kind, SuspectKind::Vocabulary, "{found:?}");
+    assert_eq!(first.asset.evidence, ["S", "O"]);
+    assert_eq!(second.asset.file.as_deref(), Some("x.csv"), "{found:?}");
+    // The recordings agree with the table, through the same words.
+    let ledger = [
+        read("S", Technique::Simulation, 55),
+        read("O", Technique::Experiment, 97),
+        table(292),
+    ];
+    let found = among(&ledger, &[["S", "X"], ["S", "O"]]);
+    let is_word = |it: &Suspect| it.asset.kind == SuspectKind::Vocabulary && it.score > 1.0;
+    assert!(!found.iter().any(is_word), "{found:?}");
+    assert_eq!(found[0].asset.evidence, ["S"], "{found:?}");
+    // One piece alone is misread rather than wrong if all its runs are alike.
+    for (count, is_named) in [(0, true), (55, false)] {
+        let ledger = [read("O", Technique::Experiment, count), table(292)];
+        let found = among(&ledger, &[["O", "X"]]);
+        let named = found[0].asset.kind == SuspectKind::Vocabulary;
+        assert_eq!(named, is_named, "{found:?}");
+    }
+}

@@ -4,8 +4,9 @@
 //! Looked at is each number in a text that the runs of several techniques are judged by (a parameter, a limit in a predicate or
 //! a formula, a scale) for which a slip was tried. From its present value it is moved by factors of 2, 4, 8 and 32 either way until
 //! the pieces that are read from runs pass the rate of the other pieces; the crossing is enclosed by halving on a logarithmic
-//! scale. People write round numbers: of the solution's values with one, two and three digits that count the first is
-//! taken with which the pieces agree.
+//! scale. People write round numbers: powers of ten, twice and five times these, then numbers of one, two and three digits that
+//! count. Of those within [`AROUND`] of the solution, which of three digits is the nearest alone, the one is taken with which
+//! the pieces agree best for what its choice costs.
 //!
 //! # Guarantee
 //! None: it has a free value. It pays for the choice among all round values with as many digits within [`DECADES`] decades: the
@@ -33,6 +34,9 @@ const DECADES: f64 = 2.0;
 
 /// Digits that a round number has at most.
 const MOST_DIGITS: i32 = 3;
+
+/// By which factor a round number may differ from the solution: verdicts of runs are alike over a range of values.
+const AROUND: f64 = 1.6;
 
 /// A number in a text, with what stands around it: of `<=8 N` it is `<=`, 8 and ` N`.
 struct Written<'t> {
@@ -64,8 +68,8 @@ impl<'t> Written<'t> {
 }
 
 impl Diagnosing<'_> {
-    /// Edits of numbers that runs are read through, each with a round value with which these have the rate of all other
-    /// evidence, and the decades that its choice costs; the values with few digits first.
+    /// Edits of numbers that runs are read through, each with round values about that with which these have the rate of all
+    /// other evidence, and the decades that their choice costs.
     pub(super) fn solved(
         &self,
         context: &Context<'_>,
@@ -87,16 +91,15 @@ impl Diagnosing<'_> {
                 let solved = self.crossing(context, (place, subject));
                 // A number with which the study cannot be read is none.
                 if let Some((written, value)) = solved {
-                    let rounded = (1..=MOST_DIGITS).map(|digits| {
+                    let edits = round_values(value).into_iter().map(|(value, choices)| {
                         let edit = TextEdit {
-                            new: written.with(value, digits),
+                            new: written.with(value, MOST_DIGITS),
                             hint: None,
                             ..place.clone()
                         };
-                        let choices = 9.0 * 10.0_f64.powi(digits - 1) * DECADES;
                         (edit, choices.log10())
                     });
-                    found.push(rounded.filter(|(it, _)| it.new != it.old).collect());
+                    found.push(edits.filter(|(it, _)| it.new != it.old).collect());
                     break;
                 }
             }
@@ -168,6 +171,41 @@ impl Diagnosing<'_> {
     }
 }
 
+/// Round values about one, each with how many as round there are within [`DECADES`] decades.
+fn round_values(value: f64) -> Vec<(f64, f64)> {
+    let size = value.abs();
+    let mut found: Vec<(f64, f64)> = Vec::new();
+    let mut add = |round: f64, per_decade: f64| {
+        let is_near = round / size <= AROUND && size / round <= AROUND;
+        let is_new = found
+            .iter()
+            .all(|(it, _)| (it - round).abs() > 1e-9 * round);
+        if is_near && is_new {
+            found.push((round.copysign(value), per_decade * DECADES));
+        }
+    };
+    let power = size.log10().floor() as i32;
+    for (digits, per_decade) in [
+        (&[1.0][..], 1.0),
+        (&[2.0, 5.0], 2.0),
+        (&[1.5, 2.5, 3.0, 4.0, 6.0, 7.0, 8.0, 9.0], 9.0),
+    ] {
+        for power in [power, power + 1] {
+            for digit in digits {
+                add(digit * 10.0_f64.powi(power), per_decade);
+            }
+        }
+    }
+    for digits in 2..=MOST_DIGITS {
+        let scale = 10.0_f64.powi(digits - 1 - power);
+        add(
+            (size * scale).round() / scale,
+            9.0 * 10.0_f64.powi(digits - 1),
+        );
+    }
+    found
+}
+
 fn share(rate: Rate) -> Option<f64> {
     match rate {
         Rate::Counted { count, trials, .. } => (trials > 0.0).then(|| count / trials),
@@ -178,7 +216,22 @@ fn share(rate: Rate) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::Written;
+    use super::{Written, round_values};
+
+    #[test]
+    fn the_roundest_values_about_one_are_cheapest() {
+        let found = round_values(0.118);
+        let of = |value: f64| {
+            let mut all = found.iter();
+            all.find(|(it, _)| (it - value).abs() < 1e-12)
+                .map(|it| it.1)
+        };
+        assert_eq!(
+            (of(0.1), of(0.12), of(0.118), of(0.2)),
+            (Some(2.0), Some(180.0), Some(1800.0), None)
+        );
+        assert!(round_values(-8.3).iter().any(|(it, _)| *it == -8.0));
+    }
 
     #[test]
     fn a_number_is_replaced_with_what_stands_around_it() {
