@@ -34,6 +34,7 @@ mod one_person;
 mod persistent_command;
 mod planted_clauses;
 mod planted_numbers;
+mod planted_structure;
 mod planted_values;
 mod rare;
 mod recordings;

@@ -101,7 +101,7 @@ pub fn refine(
     let before = result()?;
     let study = Study::load(&folder)?;
     let solver = Solver::new(&study, &host.cancel);
-    let mut offered = offered(&study, &before, &solver)?;
+    let mut offered = offered(&study, &before, &solver, host)?;
     if let Some(suspect) = request.suspect {
         known_suspect(&before, suspect)?;
         offered

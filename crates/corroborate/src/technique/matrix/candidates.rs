@@ -24,6 +24,8 @@
 //! | the `unit` of a signal | the unit that the field's own name ends with, or another unit of the dimension where it ends with none |
 //! | the `scale` or the `offset` of a signal | that of a signal whose field ends alike, a slip by a factor, the sign, or what usual units are of each other (`scales`) |
 //!
+//! Gates of fault trees and branches of formal models are of system models, and tried with these (`gates`, `lines`).
+//!
 //! A free column, value or signal is tried for every proposition; by itself it suggests nothing, since a model may well
 //! have states that no proposition names.
 //!
