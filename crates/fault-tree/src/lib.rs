@@ -11,7 +11,7 @@
 //! | Which smallest combinations lead to it? | [`Analysis::cut_sets`] |
 //! | Which basic event matters how much? | [`Analysis::importance`] |
 //! | Can one event prevent another? | [`Analysis::is_monotone`] |
-//! | Which trees does one change of a gate make of a text? | [`rewrites`] |
+//! | Which trees does one change of a gate make of a text? | [`rewrites()`] |
 //!
 //! A basic event has a probability, a rate with a mission time, an interval, or counts ([`EventData`]); the last two come by
 //! a table of the caller ([`FaultTree::with_data`]) or by attributes of the Open-PSA format.

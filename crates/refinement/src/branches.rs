@@ -4,7 +4,8 @@
 //! For each command with several updates and each ordered pair of them: the first is taken out, and what it had as its
 //! probability is added to that of the second; the sum is written out where both are decimal numbers, and left out where
 //! nothing else is left. In a continuous-time chain, whose rates make up nothing, an update is taken out alone. Each is solved and
-//! tried on all evidence ([`crate::structure`]), where the model disagrees strongly with counts.
+//! tried on all evidence ([`crate::structure`]), where the model disagrees strongly with counts. Of those that explain as much the
+//! ones come last that leave a constant of the model without any use: it was written to be used.
 //!
 //! # Guarantee
 //! All else of the text stays as it is written. What is offered was solved. Numbers that explain as well are offered behind, since
@@ -171,6 +172,20 @@ fn sum(text: &str, one: &Update, other: &Update) -> Option<String> {
     Some(format!("{}+{}", part(one)?, part(other)?))
 }
 
+/// Whether a constant of the model stands nowhere else in another text of it but where it is defined.
+fn leaves_unused(read: &Read<'_>, new: &str) -> bool {
+    let is_used = |text: &str, name: &str| {
+        let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let code = text
+            .lines()
+            .map(|line| line.split("//").next().unwrap_or_default());
+        let words = code.flat_map(|line| line.split(|c: char| !is_part(c)));
+        words.filter(|word| *word == name).count() > 1
+    };
+    let mut names = read.tree.constants.iter().map(|it| it.name.text.as_str());
+    names.any(|name| is_used(read.text, name) && !is_used(new, name))
+}
+
 /// A piece of text on one line.
 fn plainly(text: &str, span: Span) -> String {
     let written = &text[span.start..span.end];
@@ -229,7 +244,8 @@ impl Ground<'_> {
             return;
         }
         let tried = solved(model, &read, (&subjects, before));
-        let explaining = self.explaining(own, before, tried);
+        let mut explaining = self.explaining(own, before, tried);
+        explaining.sort_by_key(|it| leaves_unused(&read, &it.change.1));
         let weight = |it: &(ModelChange, Changed)| {
             self.weight_of_solved(own, before, it.1.at_last())
                 .unwrap_or(f64::NEG_INFINITY)
@@ -450,6 +466,17 @@ endmodule
         );
         // Of two nothing but certainty is left.
         assert_eq!(found[12..], ["[] s=2 -> (s'=8);", "[] s=2 -> (s'=7);"]);
+    }
+
+    #[test]
+    fn a_constant_that_only_a_branch_uses_is_left_without_use() {
+        let read = Read::new(MODEL).expect("a model");
+        let unused = |text: &str| leaves_unused(&read, text);
+        assert!(!unused(MODEL));
+        let without = MODEL.replace("p : (s'=7) + 1-p :\n    (s'=8)", "(s'=8)");
+        assert!(!unused(&without));
+        let without = without.replace("p : (s'=4) + ", "");
+        assert!(unused(&without.replace("(1-p)*(1-0.5)-0.125", "0.1")));
     }
 
     #[test]

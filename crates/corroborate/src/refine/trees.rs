@@ -1,7 +1,7 @@
 //! Fault trees: one change of a gate that makes the evidence agree.
 //!
 //! # Definition
-//! All single changes of a tree's structure ([`fault_tree::rewrites`]) are computed and tried on all evidence, where the tree
+//! All single changes of a tree's structure ([`fault_tree::rewrites()`]) are computed and tried on all evidence, where the tree
 //! disagrees strongly with counts ([`refinement::Ground::of_texts`]). None of them has a free number.
 //!
 //! # Cost
