@@ -21,6 +21,7 @@ pub mod simulator;
 pub mod solver;
 pub mod suspects;
 mod texts;
+pub(crate) mod trees;
 
 pub use request::{Accept, RefineRequest, Refined, refine};
 

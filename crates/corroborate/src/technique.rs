@@ -9,7 +9,7 @@ mod counted;
 pub mod experiment;
 pub mod exploration;
 mod files;
-mod kinds;
+pub(crate) mod kinds;
 pub mod matrix;
 pub mod model_checking;
 pub mod operation;

@@ -15,6 +15,7 @@
 
 mod lexer;
 mod statement;
+mod written;
 
 use diagnostic::{Problem, Source};
 
@@ -23,6 +24,7 @@ use crate::mistakes::Mistakes;
 use crate::reading::{Reading, Settings};
 use statement::Statements;
 pub(crate) use statement::check_count;
+pub(crate) use written::written_in_galileo;
 
 /// Reads a tree in Galileo's format.
 ///

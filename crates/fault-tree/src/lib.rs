@@ -11,6 +11,7 @@
 //! | Which smallest combinations lead to it? | [`Analysis::cut_sets`] |
 //! | Which basic event matters how much? | [`Analysis::importance`] |
 //! | Can one event prevent another? | [`Analysis::is_monotone`] |
+//! | Which trees does one change of a gate make of a text? | [`rewrites()`] |
 //!
 //! A basic event has a probability, a rate with a mission time, an interval, or counts ([`EventData`]); the last two come by
 //! a table of the caller ([`FaultTree::with_data`]) or by attributes of the Open-PSA format.
@@ -38,6 +39,7 @@ mod order;
 mod probability;
 mod reading;
 mod results;
+mod rewrites;
 mod tree;
 
 pub use analysis::{Analysis, Options};
@@ -52,4 +54,5 @@ pub use open_psa::read_open_psa;
 pub use order::Order;
 pub use probability::{Guarantee, Probability};
 pub use reading::{Reading, Settings};
+pub use rewrites::{Format, Rewrite, RewriteKind, rewrites};
 pub use tree::{Connective, FaultTree, Node, NodeId, NodeKind};

@@ -17,6 +17,9 @@
 
 mod events;
 mod formula;
+mod written;
+
+pub(crate) use written::written_in_open_psa;
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -37,13 +40,8 @@ const MAX_NODES: u32 = 20_000_000;
 /// All mistakes of the text as one problem, each with its place and a remedy: what is not well-formed, not defined, defined
 /// twice or depends on itself (`bad-fault-tree`), and what is well-formed and not understood (`unsupported-fault-tree`).
 pub fn read_open_psa(source: &Source, settings: &Settings) -> Result<Reading, Problem> {
-    let options = ParsingOptions {
-        allow_dtd: false,
-        nodes_limit: MAX_NODES,
-        ..ParsingOptions::default()
-    };
     let mut mistakes = Mistakes::new(source);
-    let document = match Document::parse_with_options(&source.text, options) {
+    let document = match parsed(&source.text) {
         Ok(document) => document,
         Err(error) => {
             let at = offset(&source.text, error.pos());
@@ -76,6 +74,15 @@ pub fn read_open_psa(source: &Source, settings: &Settings) -> Result<Reading, Pr
         );
     }
     draft.resolve(source, mistakes)
+}
+
+fn parsed(text: &str) -> Result<Document<'_>, roxmltree::Error> {
+    let options = ParsingOptions {
+        allow_dtd: false,
+        nodes_limit: MAX_NODES,
+        ..ParsingOptions::default()
+    };
+    Document::parse_with_options(text, options)
 }
 
 struct Reader<'a, 'd, 'm> {

@@ -2,6 +2,7 @@
 //!
 //! Nothing here reads or writes files, or runs a technique.
 
+mod branches;
 mod counts;
 mod diff;
 mod draws;
@@ -14,23 +15,28 @@ mod named_numbers;
 mod number;
 mod offers;
 mod requirement_rates;
+mod rewritten;
 mod solve;
+mod structure;
 mod text_change;
 mod toml_text;
 mod trial;
 
+pub use branches::Branch;
 pub use counts::{Counts, anchors};
 pub use diff::unified;
 pub use exchange::Exchange;
 pub use fit::{MOST as MOST_RUNS_OF_A_FIT, Tried, fitted};
 pub use form_change::FormChange;
 pub use model_change::{
-    Changed, ModelChange, NEAR, Refusal, SAME, SetConstant, Solver, Values, rate_of,
+    Alternative, Changed, ModelChange, NEAR, Refusal, SAME, SetConstant, Solver, Values, rate_of,
 };
 pub use model_offers::{Asked, Ground, Model, ModelOffers};
 pub use named_numbers::{NamedNumber, is_all_named, named_numbers};
 pub use number::Number;
 pub use offers::{Offer, Offers, Ranked};
 pub use requirement_rates::NamedOffer;
+pub use rewritten::{Rewritten, RewrittenOffer};
+pub use structure::FREE_VALUE;
 pub use text_change::{TextChange, steps};
 pub use trial::{Touch, Trial};

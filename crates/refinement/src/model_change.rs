@@ -24,6 +24,7 @@
 //!   variable's initial value, then the others, in the order of the text. Where
 //!   no command as a whole gives the counted rate, one of its updates is divided
 //!   instead, so that what is tried again is not counted again.
+//! * *Branchless*: a branch of a command is taken out, and its probability goes to another one ([`crate::branches`]).
 //! * *Once*: if the constant has the counted share and the model's rate for the
 //!   failure differs all the same, the model draws more than once where the
 //!   counts have one opportunity. The commands are taken once.
@@ -42,9 +43,11 @@ pub(crate) use solving::{
     AS_GOOD, FARTHEST, digits, once_or_solve, rate_or_solve, solved, with_interval,
 };
 
+use crate::branches::{self, Branch};
 use crate::counts::Counts;
 use crate::draws::{Draw, Equality, draws, equalities, names_of};
 use crate::number::Number;
+use crate::structure::FREE_VALUE;
 use evidence::Subject;
 use prism_lang::ast::{ExprKind, Model};
 use prism_lang::{Constants, Value, edit, resolved};
@@ -100,6 +103,17 @@ pub enum ModelChange {
         /// What was counted.
         counts: Counts,
     },
+    /// Take out a branch of a command.
+    Branchless {
+        /// The failure mode or requirement that it explains.
+        subject: Subject,
+        /// The branch.
+        branch: Branch,
+        /// What was counted.
+        counts: Counts,
+        /// Of how many such changes that move a value.
+        tried: usize,
+    },
     /// Take the commands that decide the proposition once.
     Once {
         /// The failure mode.
@@ -124,11 +138,29 @@ pub struct Changed {
     pub values: Values,
     /// What has to be known of it, one sentence each.
     pub notes: Vec<String>,
-    /// Other numbers that the evidence does not tell apart from the one that was set.
-    pub alternatives: Vec<Number>,
+    /// Other changes that the evidence does not tell apart from this one.
+    pub alternatives: Vec<Alternative>,
     /// What the model answers once the next change is made, too, that belongs to it: a constant was set to the share of
     /// a draw that is then made once.
     pub settled: Option<Values>,
+}
+
+/// Another change that does as much.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alternative {
+    /// The number by its name, or what is done.
+    pub name: String,
+    /// The line of the model's text, from 1.
+    pub line: Option<u32>,
+}
+
+impl Alternative {
+    pub(crate) fn of_number(number: &Number, text: &str) -> Self {
+        Self {
+            name: number.name().to_owned(),
+            line: number.line(text),
+        }
+    }
 }
 
 impl Changed {
@@ -294,7 +326,7 @@ impl ModelChange {
             Self::Rate { mode, .. } | Self::Branch { mode, .. } | Self::Once { mode, .. } => {
                 Subject::FailureMode(mode.clone())
             }
-            Self::Solve { subject, .. } => subject.clone(),
+            Self::Solve { subject, .. } | Self::Branchless { subject, .. } => subject.clone(),
         }
     }
 
@@ -302,7 +334,7 @@ impl ModelChange {
     pub fn mode(&self) -> &str {
         match self {
             Self::Rate { mode, .. } | Self::Branch { mode, .. } | Self::Once { mode, .. } => mode,
-            Self::Solve { subject, .. } => subject.id(),
+            Self::Solve { subject, .. } | Self::Branchless { subject, .. } => subject.id(),
         }
     }
 
@@ -312,7 +344,20 @@ impl ModelChange {
             Self::Rate { counts, .. }
             | Self::Solve { counts, .. }
             | Self::Branch { counts, .. }
+            | Self::Branchless { counts, .. }
             | Self::Once { counts, .. } => counts,
+        }
+    }
+
+    /// The decades against it before the evidence: a number that is set to counts makes one rate agree whatever the truth is, a
+    /// branch is one of those that were tried.
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        match self {
+            Self::Branchless { tried, .. } => ((*tried).max(1) as f64).log10(),
+            Self::Rate { .. } | Self::Solve { .. } | Self::Branch { .. } | Self::Once { .. } => {
+                FREE_VALUE
+            }
         }
     }
 
@@ -339,6 +384,7 @@ impl ModelChange {
             }
             Self::Once { mode, occurs, .. } => once(text, solver, mode, occurs),
             Self::Branch { .. } => self.branch(text, solver),
+            Self::Branchless { branch, .. } => branches::without(text, solver, branch),
         }
     }
 }

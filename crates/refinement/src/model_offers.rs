@@ -7,7 +7,8 @@
 //! their exact binomial p-value is below the study's level, divided by the number of failure modes where no other evidence
 //! disagrees strongly with the rate: the constant set to the counted share or, where
 //! that does not give the rate, solved for; or, if it has the share already, the draw made once, else solved for. Then the
-//! same for requirements that this leaves in disagreement ([`crate::requirement_rates`]).
+//! same for requirements that this leaves in disagreement ([`crate::requirement_rates`]). Branches of commands that should not be
+//! there are tried where anything disagrees strongly ([`crate::branches`]).
 
 use crate::counts::{Counts, anchors};
 use crate::model_change::{
@@ -104,6 +105,7 @@ impl Ground<'_> {
             }
         }
         self.of_requirements(model, before, &mut found);
+        self.of_branches(model, before, &mut found);
         found
     }
 

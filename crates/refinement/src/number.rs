@@ -155,7 +155,7 @@ pub(crate) fn numbers(read: &Read<'_>) -> Vec<Number> {
 }
 
 /// The commands of all modules that are written out.
-fn commands(tree: &Model) -> Vec<&Command> {
+pub(crate) fn commands(tree: &Model) -> Vec<&Command> {
     let bodies = tree.modules.iter().map(|module| &module.body);
     let written = bodies.filter_map(|body| match body {
         ModuleBody::Written { commands, .. } => Some(commands),

@@ -20,8 +20,8 @@
 use crate::counts::{Counts, anchors};
 use crate::draws::names_of;
 use crate::model_change::{
-    AS_GOOD, Changed, FARTHEST, ModelChange, Read, Refusal, Solver, Values, solved, value_of,
-    with_interval,
+    AS_GOOD, Alternative, Changed, FARTHEST, ModelChange, Read, Refusal, Solver, Values, solved,
+    value_of, with_interval,
 };
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::named_numbers::{NamedNumber, named_numbers};
@@ -183,7 +183,7 @@ impl Ground<'_> {
     }
 
     /// Whether its property judges some run otherwise than its sentence: no number of the model makes up for that.
-    fn asks_for_something_else(&self, subject: &Subject) -> bool {
+    pub(crate) fn asks_for_something_else(&self, subject: &Subject) -> bool {
         let all = self.evidence.iter().flat_map(|it| &it.form_differences);
         let mut own = all.filter(|it| &it.subject == subject);
         own.any(|it| it.form == "property")
@@ -233,10 +233,14 @@ impl Ground<'_> {
             changed.alternatives = all
                 .iter()
                 .filter(|other| **other != number)
-                .cloned()
+                .map(|other| Alternative::of_number(other, model.text))
                 .collect();
             if !changed.alternatives.is_empty() {
-                let others: Vec<&str> = changed.alternatives.iter().map(Number::name).collect();
+                let others: Vec<&str> = changed
+                    .alternatives
+                    .iter()
+                    .map(|it| it.name.as_str())
+                    .collect();
                 changed.notes.push(format!(
                     "The evidence does not tell it apart from another value of {}.",
                     others.join(" or of ")

@@ -218,7 +218,7 @@ impl Ground<'_> {
     }
 
     /// The other pieces that speak for themselves on a subject.
-    fn speaking(&self, own: &Evidence, subject: &Subject) -> Vec<&Evidence> {
+    pub(crate) fn speaking(&self, own: &Evidence, subject: &Subject) -> Vec<&Evidence> {
         let counts = |piece: &&Evidence| {
             piece.id != own.id
                 && piece.conditions == own.conditions

@@ -35,6 +35,7 @@ mod persistent_command;
 mod planted_clauses;
 mod planted_forms;
 mod planted_numbers;
+mod planted_structure;
 mod planted_values;
 mod rare;
 mod recordings;

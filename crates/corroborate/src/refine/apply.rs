@@ -67,6 +67,13 @@ impl Applier<'_> {
                     let make = |text: &str| value.make(text);
                     applied.push(self.in_place(file, proposal, &make)?);
                 }
+                Change::Whole { file, old, new } => {
+                    let make = |text: &str| match text == old {
+                        true => Ok(new.clone()),
+                        false => Err("it was changed since".to_owned()),
+                    };
+                    applied.push(self.in_place(file, proposal, &make)?);
+                }
                 Change::Exchange { texts } => {
                     applied.extend(self.together(texts, proposal)?);
                 }
@@ -140,7 +147,10 @@ impl Applier<'_> {
                 text: &last.text,
             };
             let found = of_model(self.study, self.result, &asset, self.solver)?;
-            let next: Vec<&ModelChange> = found.changes.iter().map(|(change, _)| change).collect();
+            // Whether a branch belongs to the system is for a person to say.
+            let is_next = |change: &&ModelChange| !matches!(change, ModelChange::Branchless { .. });
+            let next = found.changes.iter().map(|(change, _)| change);
+            let next: Vec<&ModelChange> = next.filter(is_next).collect();
             if next.is_empty() {
                 break;
             }

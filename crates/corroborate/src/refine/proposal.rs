@@ -110,6 +110,15 @@ pub enum Change {
         /// Which value.
         value: OneValue,
     },
+    /// A text of the study gets another one in its place.
+    Whole {
+        /// The file, relative to the study.
+        file: String,
+        /// What it was.
+        old: String,
+        /// What it becomes.
+        new: String,
+    },
     /// Two things change places, in all texts of the study that hold them.
     Exchange {
         /// The files, relative to the study, and what changes places in each.
@@ -339,13 +348,13 @@ pub fn model_proposal(
     notes.extend(hides(result, &change, before, changed.at_last()));
     let is_harmful = tried.is_harmful();
     // A number that makes a requirement agree is the model's error only if the model is the likeliest to be wrong, and the
-    // number the only one that does.
+    // number the only one that does; so is a branch.
     let is_fitted = matches!(
         change,
         ModelChange::Solve {
             subject: Subject::Requirement(_),
             ..
-        }
+        } | ModelChange::Branchless { .. }
     );
     let is_a_guess = !changed.alternatives.is_empty() || (is_fitted && suspect != Some(1));
     // What is right within the margin, or as far as chance tells, is not to be changed without being looked at.
@@ -402,6 +411,11 @@ fn reason(change: &ModelChange, rate: Option<f64>, counts: &Counts) -> String {
         ModelChange::Solve { .. } => format!(
             "The model's rate of {mode} is {rate:.6}, and it was counted in {}. No constant is that share: what decides it \
              acts more than once in a run, or several act together, so that it is solved for.",
+            counts.words()
+        ),
+        ModelChange::Branchless { .. } => format!(
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. Without one branch of a command they agree, and \
+             nothing has to be fitted for it.",
             counts.words()
         ),
         ModelChange::Once { .. } => format!(
@@ -469,7 +483,7 @@ fn is_met(requirement: &evidence::Requirement, rate: f64) -> bool {
     }
 }
 
-fn effects(
+pub(super) fn effects(
     result: &StudyResult,
     before: &Values,
     after: &Values,

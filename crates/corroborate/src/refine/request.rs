@@ -101,7 +101,7 @@ pub fn refine(
     let before = result()?;
     let study = Study::load(&folder)?;
     let solver = Solver::new(&study, &host.cancel);
-    let mut offered = offered(&study, &before, &solver)?;
+    let mut offered = offered(&study, &before, &solver, host)?;
     // What was interrupted is no answer: a number that was not solved for would be said to have no value.
     host.go_on()?;
     if let Some(suspect) = request.suspect {

@@ -14,15 +14,22 @@ use super::proposal::{
 use super::simulator::of_simulator;
 use super::solver::Solver;
 use super::texts;
+use super::trees::of_tree;
 use crate::technique::matrix::edits::scratch::Scratch;
 use diagnostic::Problem;
 use evidence::{STRONG, StudyResult, Subject, Suspect, Symptom};
+use host::Host;
 use refinement::{FormChange, Model, Offer, Ranked, TextChange, Trial, unified};
 use std::path::{Path, PathBuf};
 use study::{Simulated, Study};
 
 /// All that is offered for a study's result.
-pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<Offered, Problem> {
+pub fn offered(
+    study: &Study,
+    result: &StudyResult,
+    solver: &Solver,
+    host: &Host,
+) -> Result<Offered, Problem> {
     let mut sources = Vec::new();
     for entry in current(study) {
         if let Some(model) = entry.work.model() {
@@ -66,11 +73,13 @@ pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<O
         let until = edits.partition_point(|s| rank.is_none_or(|rank| s.rank <= rank));
         for suspect in edits.drain(..until) {
             of_values(study, suspect, &mut offering.offered)?;
+            of_tree((study, result), suspect, host, &mut offering.offered)?;
         }
         offering.add(ranked)?;
     }
     for suspect in edits {
         of_values(study, suspect, &mut offering.offered)?;
+        of_tree((study, result), suspect, host, &mut offering.offered)?;
     }
     let mut offered = offering.offered;
     offered.refused.extend(found.refused);

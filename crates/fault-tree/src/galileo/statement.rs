@@ -167,14 +167,8 @@ impl Statements<'_, '_> {
             );
             return None;
         }
-        let connective = match lower.as_str() {
-            "and" => Connective::And,
-            "or" => Connective::Or,
-            "not" => Connective::Not,
-            "xor" => Connective::Xor,
-            "nand" => Connective::Nand,
-            "nor" => Connective::Nor,
-            _ => return self.threshold(gate, &lower, place, count),
+        let Some(connective) = plain(&lower) else {
+            return self.threshold(gate, &lower, place, count);
         };
         if let Err((message, remedy)) = check_count(connective, count) {
             self.mistakes
@@ -192,13 +186,7 @@ impl Statements<'_, '_> {
         place: &Range<usize>,
         count: usize,
     ) -> Option<Connective> {
-        let of =
-            |it: (&str, &str)| Some((it.0.parse::<usize>().ok()?, it.1.parse::<usize>().ok()?));
-        let numbers = match lower.strip_prefix("vot") {
-            Some(least) => least.parse().ok().map(|least| (least, count)),
-            None => lower.split_once("of").and_then(of),
-        };
-        let Some((k, n)) = numbers else {
+        let Some((k, n)) = least_of(lower, count) else {
             let message = format!("`{gate}` is not a gate or an attribute that is known");
             self.mistakes.add(
                 place.clone(),
@@ -357,6 +345,38 @@ fn why_refused(key: &str) -> &'static str {
         }
         _ => "is not an attribute that is known",
     }
+}
+
+/// The kind of gate that a word says which names no number.
+fn plain(lower: &str) -> Option<Connective> {
+    Some(match lower {
+        "and" => Connective::And,
+        "or" => Connective::Or,
+        "not" => Connective::Not,
+        "xor" => Connective::Xor,
+        "nand" => Connective::Nand,
+        "nor" => Connective::Nor,
+        _ => return None,
+    })
+}
+
+/// Of `2of3` it is 2 and 3, and of `vot2` 2 and as many as there are.
+fn least_of(lower: &str, count: usize) -> Option<(usize, usize)> {
+    match lower.strip_prefix("vot") {
+        Some(least) => least.parse().ok().map(|least| (least, count)),
+        None => {
+            let (least, all) = lower.split_once("of")?;
+            Some((least.parse().ok()?, all.parse().ok()?))
+        }
+    }
+}
+
+/// The kind of gate that a word says, if it is one that is read.
+pub(super) fn connective_of(word: &str, count: usize) -> Option<Connective> {
+    let lower = word.to_ascii_lowercase();
+    let of_number = || least_of(&lower, count).map(|(least, _)| Connective::AtLeast(least));
+    let found = plain(&lower).or_else(of_number)?;
+    check_count(found, count).is_ok().then_some(found)
 }
 
 /// Whether a gate can have so many arguments: what is wrong, and what to do about it.

@@ -24,6 +24,8 @@
 //! | the `unit` of a signal | the unit that the field's own name ends with, or another unit of the dimension where it ends with none |
 //! | the `scale` or the `offset` of a signal | that of a signal whose field ends alike, a slip by a factor, the sign, or what usual units are of each other (`scales`) |
 //!
+//! Gates of fault trees and branches of formal models are of system models, and tried with these (`gates`, `lines`).
+//!
 //! A free column, value or signal is tried for every proposition; by itself it suggests nothing, since a model may well
 //! have states that no proposition names.
 //!
@@ -304,13 +306,6 @@ fn is_named_after(text: &str, proposition: &str) -> bool {
         let is_end = |c: Option<char>| c.is_none_or(|c| !c.is_ascii_alphanumeric());
         is_end(before.chars().next_back()) && is_end(after.chars().next())
     })
-}
-
-/// A number with six digits that count.
-pub(super) fn significant(value: f64) -> String {
-    let digits = 5 - value.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
-    let scale = 10.0_f64.powi(digits);
-    format!("{}", (value * scale).round() / scale)
 }
 
 fn plain(text: &str) -> String {

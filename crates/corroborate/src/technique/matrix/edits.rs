@@ -8,8 +8,9 @@
 //! more. Its *score* is what goes away on them, less what comes up anywhere else; it is dropped if more than [`STRONG`]
 //! comes up, since chance alone moves the weaker pairs. What a table has the wrong way round ([`evidence::put_right`]) is
 //! weighed as an edit is, and one that explains more takes the edits' place; likewise a number of a formal model that is solved
-//! for ([`super::lines`]), at [`FREE_VALUE`] decades less, and one that runs are read through ([`solved`]), which is looked for
-//! where nothing says a value that explains what disagrees. Of those that are left the ones that explain most are clues, and
+//! for ([`super::lines`]), at [`refinement::FREE_VALUE`] decades less, a branch or a gate that is another ([`super::gates`]), and a
+//! number that runs are read through ([`solved`]), which is looked for where nothing says a value that explains what
+//! disagrees. Of those that are left the ones that explain most are clues, and
 //! those that explain as much are named with them. An edit with which every run of every piece is judged alike (a limit that
 //! nothing keeps) explains nothing by that, unless something else in the study says its very value; nor does one with which a
 //! model is certain of what others saw both ways.
@@ -47,6 +48,7 @@ pub(crate) mod scratch;
 mod solved;
 
 use super::candidates::{Reach, TextEdit, candidates, limits};
+use super::gates::OfTree;
 use super::lines::{OfModel, OfModels};
 use super::{Diagnosing, Gathered};
 use crate::technique::experiment::Tables;
@@ -71,9 +73,6 @@ use study::Study;
 
 /// Decades for an edit whose very value something else says, too.
 const SAID: f64 = 2.5;
-
-/// Decades against a number that is solved for: it makes one rate agree whatever the truth is.
-const FREE_VALUE: f64 = 3.0;
 
 /// Decades for an edit to what is free.
 const FREE: f64 = 1.0;
@@ -339,8 +338,8 @@ impl Diagnosing<'_> {
         }
     }
 
-    /// What is explained, as by an edit, if one number of a formal model has another value; the most of all numbers. That the
-    /// value is free costs [`FREE_VALUE`].
+    /// What is explained, as by an edit, if one number of a formal model has another value, or a branch of it or a gate of a
+    /// fault tree is another; the most of all these. What counts against each is its [`refinement::ModelChange::cost`].
     fn numbers(&self, offered: &OfModels, before: &Pairs) -> Option<f64> {
         let weight = |model: &OfModel, then: &Values| {
             let mut after = self.result.evidence.clone();
@@ -352,11 +351,15 @@ impl Diagnosing<'_> {
                 }
             }
             let after = self.disagreements(&after);
-            Some(balance(before, &after, &|_| true)?.weight() - FREE_VALUE)
+            Some(balance(before, &after, &|_| true)?.weight())
         };
         let all = offered.models.iter();
-        let all = all.flat_map(|model| model.answers().filter_map(move |then| weight(model, then)));
-        all.max_by(f64::total_cmp)
+        let of_models = all.flat_map(|model| {
+            let answers = model.answers();
+            answers.filter_map(move |(then, cost)| Some(weight(model, then)? - cost))
+        });
+        let of_trees = offered.trees.iter().filter_map(OfTree::weight);
+        of_models.chain(of_trees).max_by(f64::total_cmp)
     }
 
     /// What is explained, as by an edit, if what a table has the wrong way round is exchanged; the most of all tables.

@@ -1,32 +1,30 @@
-//! Lines of formal models and fault trees that are suspected as a whole.
+//! Lines of formal models that are suspected as a whole.
 //!
 //! # Definition
 //! For each model that an open suspect names without a line, what could be changed in it is made and tried
 //! ([`refinement::Ground::of_model`]). Of the changes that do no harm and are of a rate that the suspect is named for, or
 //! repair what it is named for, the first says the line: the first one that it changes. Other numbers that the evidence
-//! does not tell apart from it are named with their lines. Of a fault tree each number is solved for in the same way
-//! ([`refinement::Ground::of_named_numbers`]).
+//! does not tell apart from it are named with their lines. Fault trees are in [`super::gates`].
 //!
 //! # Guarantee
 //! A line is where one change makes the evidence agree, not a proof that it is wrong; the score stays that of the model.
 
+use super::gates::OfTree;
 use super::{Diagnosing, Gathered};
 use crate::refine::proposal::{Asset, current, ground, of_model};
 use crate::refine::solver::Solver;
-use crate::technique::kinds::{Asked, TreeChange, tree_values};
 use diagnostic::Problem;
-use evidence::{Measure, STRONG, Subject, Suspect, SuspectKind, Symptom};
-use host::{Events, Host};
-use refinement::{Changed, ModelChange, NamedOffer, Trial, Values};
+use evidence::{Measure, STRONG, Subject, Suspect, SuspectKind};
+use refinement::{Changed, ModelChange, Trial, Values};
 use std::collections::BTreeMap;
-use study::Work;
 
 /// A change with the model after it, and what it does to the agreement with all evidence.
 type Tried = (ModelChange, Changed, Trial);
 
-/// What could be changed in the formal models of a study.
+/// What could be changed in the formal models and fault trees of a study.
 pub(super) struct OfModels {
     pub(super) models: Vec<OfModel>,
+    pub(super) trees: Vec<OfTree>,
 }
 
 /// What could be changed in one of them.
@@ -39,13 +37,13 @@ pub(super) struct OfModel {
 }
 
 impl OfModel {
-    /// What it answers after each change that does no harm.
-    pub(super) fn answers(&self) -> impl Iterator<Item = &Values> {
+    /// What it answers after each change that does no harm, and what counts against the change.
+    pub(super) fn answers(&self) -> impl Iterator<Item = (&Values, f64)> {
         let harmless = self
             .changes
             .iter()
             .filter(|(.., trial)| !trial.is_harmful());
-        harmless.map(|(_, changed, _)| changed.at_last())
+        harmless.map(|(change, changed, _)| (changed.at_last(), change.cost()))
     }
 }
 
@@ -56,7 +54,7 @@ impl Diagnosing<'_> {
         suspects: &mut [Suspect],
         offered: &OfModels,
     ) -> Result<(), Problem> {
-        self.tree_lines(suspects)?;
+        self.tree_lines(suspects, &offered.trees)?;
         self.row_lines(suspects);
         for offered in &offered.models {
             let text = offered.text.as_str();
@@ -136,69 +134,8 @@ impl Diagnosing<'_> {
                 )),
             }
         }
-        Ok(OfModels { models })
-    }
-
-    /// The same for fault trees: numbers of their text, solved for.
-    fn tree_lines(&self, suspects: &mut [Suspect]) -> Result<(), Problem> {
-        for entry in &self.study.ledger {
-            let Work::FaultTree { tree, .. } = &entry.work else {
-                continue;
-            };
-            if !suspects.iter().any(|it| is_whole_model(it, &entry.id)) {
-                continue;
-            }
-            let text = host::files::read_source(&self.study.folder.join(tree))?.text;
-            let host = Host {
-                events: Events::none(),
-                ..self.setting.clone()
-            };
-            let solver = Tree {
-                asked: Asked {
-                    study: self.study,
-                    entry,
-                    host: &host,
-                },
-            };
-            let ground = ground(self.study, self.result);
-            let offers = ground.of_named_numbers(&entry.id, &text, &solver);
-            self.setting.go_on()?;
-            for suspect in suspects
-                .iter_mut()
-                .filter(|it| is_whole_model(it, &entry.id))
-            {
-                let mut own = offers
-                    .iter()
-                    .filter(|it| suspect.subjects.contains(&it.subject));
-                let Some(first) = own.next() else {
-                    continue;
-                };
-                let line = |offer: &NamedOffer| {
-                    let (line, _) = prism_lang::line_and_column(&text, offer.number.span.start);
-                    u32::try_from(line).ok()
-                };
-                suspect.asset.line = line(first);
-                suspect.asset.part = Some(format!("`{}`", first.number.name));
-                suspect.explanation.push_str(&format!(
-                    " With {:.3} in place of {} its rate is that of {}.",
-                    first.value,
-                    first.number.value,
-                    first.counts.words()
-                ));
-                // What it is to be instead can be offered.
-                suspect.symptoms.push(Symptom::EditExplains {
-                    subject: first.subject.clone(),
-                    found: text[first.number.span.clone()].to_owned(),
-                    instead: super::candidates::significant(first.value),
-                    pairs: vec![[entry.id.clone(), first.counts.evidence.clone()]],
-                    share: 1.0,
-                });
-                let file = suspect.asset.file.clone().unwrap_or_default();
-                let others = own.filter_map(|it| Some(format!("{file}:{}", line(it)?)));
-                suspect.asset.together.extend(others);
-            }
-        }
-        Ok(())
+        let trees = self.offered_trees()?;
+        Ok(OfModels { models, trees })
     }
 
     /// What could be changed in a model, with what it does to all the evidence.
@@ -220,23 +157,12 @@ impl Diagnosing<'_> {
 }
 
 /// Whether an open suspect is the model of a piece, without a line.
-fn is_whole_model(suspect: &Suspect, evidence: &str) -> bool {
+pub(super) fn is_whole_model(suspect: &Suspect, evidence: &str) -> bool {
     let asset = &suspect.asset;
     suspect.is_open()
         && asset.kind == SuspectKind::FormalModel
         && asset.line.is_none()
         && asset.evidence.iter().any(|id| id == evidence)
-}
-
-/// Answers for other texts of a fault tree.
-struct Tree<'a> {
-    asked: Asked<'a>,
-}
-
-impl refinement::Solver for Tree<'_> {
-    fn values(&self, text: &str) -> Result<Values, String> {
-        tree_values(self.asked, &TreeChange::Text(text)).map_err(|problem| problem.warning_line())
-    }
 }
 
 /// The first harmless change of these subjects, their own before those that repair them.
@@ -257,18 +183,28 @@ fn best_for<'c>(
 /// Says the line that a change mends, and those that are not told apart from it.
 fn point(suspect: &mut Suspect, text: &str, change: &ModelChange, changed: &Changed) {
     suspect.asset.line = changed_line(text, &changed.text);
-    if let ModelChange::Solve { number, .. } = change {
-        let file = suspect.asset.file.clone().unwrap_or_default();
-        suspect.asset.part = Some(format!("`{}`", number.name()));
-        let others = changed.alternatives.iter().map(|other| {
-            let name = other.name();
-            match other.line(text) {
-                Some(line) => format!("{file}:{line} (`{name}`)"),
-                None => format!("{file} (`{name}`)"),
-            }
-        });
-        suspect.asset.together.extend(others);
+    let part = match change {
+        ModelChange::Solve { number, .. } => format!("`{}`", number.name()),
+        ModelChange::Branchless { branch, .. } => {
+            format!("branch `{}`", branch.written(text).unwrap_or_default())
+        }
+        ModelChange::Rate { .. } | ModelChange::Branch { .. } | ModelChange::Once { .. } => return,
+    };
+    if let ModelChange::Branchless { .. } = change {
+        suspect
+            .explanation
+            .push_str(&format!(" With {} the evidence agrees.", changed.what));
     }
+    suspect.asset.part = Some(part);
+    let file = suspect.asset.file.clone().unwrap_or_default();
+    let others = changed.alternatives.iter().map(|other| {
+        let name = other.name.trim_matches('`');
+        match other.line {
+            Some(line) => format!("{file}:{line} (`{name}`)"),
+            None => format!("{file} (`{name}`)"),
+        }
+    });
+    suspect.asset.together.extend(others);
 }
 
 /// The first line that another takes the place of, from 1; where lines are added alone, the first behind them.

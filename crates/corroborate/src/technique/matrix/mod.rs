@@ -15,6 +15,7 @@ mod cells;
 pub(crate) mod edits;
 mod events;
 mod formal;
+mod gates;
 mod lines;
 mod outliers;
 mod paths;

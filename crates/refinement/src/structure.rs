@@ -1,0 +1,225 @@
+//! What a change explains that moves the values of a computed piece, such as a branch of a command or a gate of a fault tree
+//! that becomes another.
+//!
+//! # Definition
+//! On each subject the piece is held against every other one that speaks for itself, by the signed strength of disagreement
+//! ([`evidence::signed_strength`]); the strongest counts. A change *explains* the subjects that disagreed strongly
+//! ([`evidence::STRONG`]) and do not any more. Its *weight* is, in decades,
+//!
+//! * what goes away on them, less what comes up anywhere else; more than [`STRONG`] has to go away on the whole, and no more
+//!   than that may come up;
+//! * how well all agree on them then: of each the evidence for one rate of its weakest pair;
+//! * less [`FREE_VALUE`] if a number was solved for, which makes one rate agree whatever the truth is; less the decades of
+//!   the number of kinds of changes, and of the changes of its own kind that move a value at all, if nothing was.
+//!
+//! What makes a value 0 or 1 is weighed with [`NEARER`] of the margin, and explains nothing if counts show otherwise.
+//!
+//! A change without a free number is taken where its weight, after this correction, is still strong. Of changes that weigh as
+//! much (to within [`AS_GOOD`]) the one comes first whose values are nearest to what was counted, and to what other models compute
+//! that agree with the counts: the same strengths with [`NEARER`] of the margins, which tell values apart that the margins do not; of a
+//! model at most [`OF_MODEL`].
+//!
+//! # Source and guarantee
+//! As for single edits of texts: the method of difference (J. S. Mill, 1843), and Bayes factors with the correction for the number
+//! of hypotheses (H. Jeffreys, "Theory of Probability", 1961, section 5.04). What is offered was computed, and may still be
+//! wrong: two changes of structure that lead to values within the margins of each other cannot be told apart by them.
+
+use crate::model_change::{AS_GOOD, Values, value_of};
+use crate::model_offers::Ground;
+use evidence::{Evidence, Measure, Rate, STRONG, Subject, signed_strength};
+use std::collections::BTreeMap;
+
+/// Decades against a number that is solved for: it makes one rate agree whatever the truth is.
+pub const FREE_VALUE: f64 = 3.0;
+
+/// The part of the margins by which changes that explain as much are told apart, and that softens a certainty.
+const NEARER: f64 = 0.1;
+
+/// The most that a model counts against a change that explains as much as another.
+const OF_MODEL: f64 = 2.0;
+
+/// Values that differ by less are the same.
+const SAME_VALUE: f64 = 1e-9;
+
+/// What a piece that is asked again may differ by from what the run kept.
+const SAME_ANSWER: f64 = 1e-6;
+
+/// A change without a free number that was tried.
+pub(crate) struct Tried<C> {
+    /// The change.
+    pub(crate) change: C,
+    /// Which kind of change it is: kinds are as likely as each other, and so are the changes of one kind.
+    pub(crate) kind: u8,
+    /// What is answered with it.
+    pub(crate) values: Values,
+}
+
+/// One that explains what disagrees.
+pub(crate) struct Explaining<C> {
+    pub(crate) change: C,
+    pub(crate) values: Values,
+    pub(crate) weight: f64,
+    /// How many were tried that move a value.
+    pub(crate) tried: usize,
+    /// The subjects that it explains, the strongest disagreement first.
+    pub(crate) subjects: Vec<Subject>,
+}
+
+/// What a change explains, before it is held against how many were tried.
+struct Balance {
+    weight: f64,
+    subjects: Vec<(f64, Subject)>,
+}
+
+impl Ground<'_> {
+    /// The subjects on which a computed piece disagrees strongly with counts, by what it answers now; without those that its
+    /// property judges otherwise than the sentence.
+    pub(crate) fn in_conflict(&self, own: &Evidence, before: &Values) -> Vec<Subject> {
+        let is_in_conflict = |subject: &&Subject| {
+            let value = value_of(before, subject);
+            let is_kept = |value: f64| {
+                let kept = own.finding(subject).map(|finding| &finding.measure);
+                matches!(kept, Some(Measure::Probability { answer, .. })
+                    if (answer.value - value).abs() < SAME_ANSWER)
+            };
+            value.is_some_and(is_kept)
+                && self.is_own(subject)
+                && self.strongest(own, subject, value) > STRONG
+                && !self.asks_for_something_else(subject)
+        };
+        before.keys().filter(is_in_conflict).cloned().collect()
+    }
+
+    /// How strongly a value disagrees with the piece that it disagrees most with, or, below 0, how well it agrees with the one
+    /// that it agrees least with; none where nothing speaks on the subject.
+    fn signed(&self, own: &Evidence, subject: &Subject, value: f64, part: f64) -> Option<f64> {
+        let pieces = self.speaking(own, subject).into_iter();
+        let margin = self.margin(subject) * part;
+        let apart = pieces.filter_map(|piece| {
+            let theirs = Rate::on(piece, subject)?;
+            Some(signed_strength(
+                Rate::claimed(value, subject),
+                theirs,
+                margin,
+            ))
+        });
+        apart.max_by(f64::total_cmp)
+    }
+
+    /// How far values are from what was counted, and from what models compute that agree with it, where the margins do not tell.
+    fn distance(&self, own: &Evidence, values: &Values) -> f64 {
+        let of_subject = |(subject, value): (&Subject, &Option<f64>)| {
+            let value = value.filter(|_| self.is_own(subject))?;
+            let counted = self.signed(own, subject, value, NEARER);
+            let models = self.evidence.iter().filter(|piece| {
+                let is_one = piece.id != own.id
+                    && piece.conditions == own.conditions
+                    && piece.technique.is_of_model();
+                is_one && !piece.intermediate
+            });
+            let computed = models.filter_map(|piece| {
+                let theirs = Rate::on(piece, subject)?;
+                let agrees = self.strongest(piece, subject, theirs.computed()) <= STRONG;
+                let margin = self.margin(subject) * NEARER;
+                let apart = signed_strength(Rate::claimed(value, subject), theirs, margin);
+                agrees.then_some(apart.min(OF_MODEL))
+            });
+            Some(counted.unwrap_or_default() + computed.fold(0.0, f64::max))
+        };
+        values.iter().filter_map(of_subject).sum()
+    }
+
+    fn balance(&self, own: &Evidence, before: &Values, after: &Values) -> Option<Balance> {
+        let (mut gone, mut come, mut agreement) = (0.0, 0.0, 0.0);
+        let mut subjects = Vec::new();
+        for (subject, was) in before.iter().filter(|(subject, _)| self.is_own(subject)) {
+            let Some(was) = *was else { continue };
+            // A value that is lost explains nothing.
+            let is = value_of(after, subject)?;
+            // That something always or never happens is a claim of its own, which no margin for rates softens.
+            let is_certain = was > 0.0 && was < 1.0 && (is <= 0.0 || is >= 1.0);
+            let part = if is_certain { NEARER } else { 1.0 };
+            let both = (
+                self.signed(own, subject, was, 1.0),
+                self.signed(own, subject, is, part),
+            );
+            let (Some(was), Some(is)) = both else {
+                continue;
+            };
+            if is_certain && is > STRONG {
+                return None;
+            }
+            come += (is.max(0.0) - was.max(0.0)).max(0.0);
+            if was > STRONG && is <= STRONG {
+                gone += was - is.max(0.0);
+                agreement += (-is).max(0.0);
+                subjects.push((was, subject.clone()));
+            }
+        }
+        subjects.sort_by(|a, b| b.0.total_cmp(&a.0));
+        (gone - come > STRONG && come <= STRONG).then_some(Balance {
+            weight: gone - come + agreement,
+            subjects,
+        })
+    }
+
+    /// The weight of a change in which a number was solved for.
+    pub(crate) fn weight_of_solved(
+        &self,
+        own: &Evidence,
+        before: &Values,
+        after: &Values,
+    ) -> Option<f64> {
+        Some(self.balance(own, before, after)?.weight - FREE_VALUE)
+    }
+
+    /// Those of some changes that explain what disagrees and do no harm; the best first, and only what is as good.
+    pub(crate) fn explaining<C>(
+        &self,
+        own: &Evidence,
+        before: &Values,
+        all: Vec<Tried<C>>,
+    ) -> Vec<Explaining<C>> {
+        let is_moved = |after: &Values| {
+            before.iter().any(|(subject, was)| {
+                let is = value_of(after, subject);
+                match (was, is) {
+                    (Some(was), Some(is)) => (was - is).abs() > SAME_VALUE,
+                    (was, is) => was.is_some() != is.is_some(),
+                }
+            })
+        };
+        let all: Vec<Tried<C>> = all.into_iter().filter(|it| is_moved(&it.values)).collect();
+        let mut of_kind: BTreeMap<u8, usize> = BTreeMap::new();
+        for it in &all {
+            *of_kind.entry(it.kind).or_default() += 1;
+        }
+        let tried = all.len();
+        let mut found: Vec<(f64, Explaining<C>)> = Vec::new();
+        for it in all {
+            let Some(balance) = self.balance(own, before, &it.values) else {
+                continue;
+            };
+            let equals = of_kind.len() * of_kind.get(&it.kind).copied().unwrap_or(1);
+            let weight = balance.weight - (equals as f64).log10();
+            let trial = self.tried(&own.id, before, &it.values);
+            if weight <= STRONG || trial.is_harmful() {
+                continue;
+            }
+            let distance = self.distance(own, &it.values);
+            let explaining = Explaining {
+                change: it.change,
+                weight,
+                tried,
+                subjects: balance.subjects.into_iter().map(|(_, it)| it).collect(),
+                values: it.values.clone(),
+            };
+            found.push((distance, explaining));
+        }
+        let best = found.iter().map(|(_, it)| it.weight);
+        let best = best.fold(f64::NEG_INFINITY, f64::max);
+        found.retain(|(_, it)| it.weight >= best - AS_GOOD);
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|(_, it)| it).collect()
+    }
+}
