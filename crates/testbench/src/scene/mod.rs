@@ -100,6 +100,7 @@ mod compliant;
 mod data;
 mod draws;
 mod drive_errors;
+mod fingers;
 mod gaps;
 mod grip;
 mod gripping;

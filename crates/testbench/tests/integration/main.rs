@@ -3,6 +3,7 @@
 mod common;
 mod compliant;
 mod engines;
+mod fingers;
 mod grippers;
 mod groups;
 mod physics;

@@ -39,6 +39,11 @@ use crate::geometry::{Pose, Vector};
 /// The release of Rapier that is built in, as `Cargo.toml` pins it.
 pub const VERSION: &str = "0.36.1";
 
+/// Iterations in a substep where a coupling carries forces. Rapier solves drives, couplings and contacts one after another and
+/// keeps no coupling's impulse, so that a single pass leaves what the last drive added to one finger: fingers of 15 g that were to press
+/// with 40 N pressed with 60 to 70 N and shook the part off. Four passes leave 41 N, ten 40.0 N.
+const CARRYING_ITERATIONS: usize = 16;
+
 /// Everything of Rapier that determines the future.
 #[derive(Clone, Default)]
 struct World {
@@ -169,6 +174,10 @@ fn parameters(layout: &Layout) -> r::IntegrationParameters {
     r::IntegrationParameters {
         dt: layout.time_step_secs,
         num_solver_iterations: solver.substeps,
+        num_internal_pgs_iterations: match layout.couplings.iter().any(|it| it.carries) {
+            true => CARRYING_ITERATIONS,
+            false => own.num_internal_pgs_iterations,
+        },
         contact_softness: soften(own.contact_softness),
         static_contact_softness: soften(own.static_contact_softness),
         // Swept collision and merged manifolds trade exactness of forces for speed.
