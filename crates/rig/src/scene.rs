@@ -24,8 +24,8 @@ use study::Study;
 use testbench::controller::{Controller, ControllerError, RemoteController};
 use testbench::physics::RAPIER_VERSION;
 use testbench::scene::{
-    BuildPhysics, ControllerData, Gripper, GripperKind, SceneBench, SceneGap, StartController,
-    TruthVocabulary, mujoco, rapier,
+    BuildPhysics, ControllerData, Gripper, GripperKind, SceneBench, SceneGap,
+    StartController, TruthVocabulary, mujoco, rapier,
 };
 use testbench::{Bench, Drawn, Engine, Recorded, SimError, Watch};
 use toml::Table;
@@ -68,6 +68,7 @@ pub struct SceneRig {
     /// The files that the scene consists of.
     assets: Vec<Asset>,
     gaps: Vec<DescriptionGap>,
+    checked: Vec<String>,
     /// Signals of truth that the study reads and a scene does not record of itself.
     truth: Vec<String>,
 }
@@ -109,6 +110,12 @@ impl SceneRig {
             }
         }
         let files = files.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let checked = bench.checked().iter();
+        let checked = checked.map(|it| match line_of(source, &it.key) {
+            Some((line, column)) => format!("{}:{line}:{column}: {}", plain(scene), it.what),
+            None => format!("{}: {}", plain(scene), it.what),
+        });
+        let checked = checked.collect();
         let declared = attaching(scene, source, &bench.data().grippers);
         let beside = scene.parent().unwrap_or(Path::new(""));
         let assets = files.into_iter().map(|(path, hash)| Asset {
@@ -127,6 +134,7 @@ impl SceneRig {
                 .map(|gap| in_study(beside, gap))
                 .chain(declared)
                 .collect(),
+            checked,
             truth,
         })
     }
@@ -179,6 +187,10 @@ impl Rig for SceneRig {
 
     fn gaps(&self) -> &[DescriptionGap] {
         &self.gaps
+    }
+
+    fn checked(&self) -> &[String] {
+        &self.checked
     }
 
     fn truth(&self) -> Option<TruthVocabulary> {
@@ -297,12 +309,11 @@ fn attaching(scene: &Path, source: &Source, grippers: &[Gripper]) -> Vec<Descrip
             _ if gripper.attaches_when_grasped() => "what is grasped is attached to the hand",
             _ => return None,
         };
-        let span = span_of(&source.text, &format!("gripper.{}", gripper.name));
-        let place = span.map(|span| diagnostic::line_and_column(&source.text, span.start));
+        let place = line_of(source, &format!("gripper.{}", gripper.name));
         Some(DescriptionGap {
             file: plain(scene),
-            line: place.and_then(|(line, _)| u32::try_from(line).ok()),
-            column: place.and_then(|(_, column)| u32::try_from(column).ok()),
+            line: place.map(|(line, _)| line),
+            column: place.map(|(_, column)| column),
             element: format!("gripper {}", gripper.name),
             what: format!("{what}, a simplification that the scene declares"),
             effect: "contact".to_owned(),
@@ -310,6 +321,13 @@ fn attaching(scene: &Path, source: &Source, grippers: &[Gripper]) -> Vec<Descrip
         })
     });
     declared.collect()
+}
+
+/// Line and column of a key.
+fn line_of(source: &Source, key: &str) -> Option<(u32, u32)> {
+    let span = span_of(&source.text, key)?;
+    let (line, column) = diagnostic::line_and_column(&source.text, span.start);
+    Some((u32::try_from(line).ok()?, u32::try_from(column).ok()?))
 }
 
 /// A gap, its file by its path in the study; addresses such as `package://` stay what they are.

@@ -32,6 +32,10 @@ pub struct SimulationSignals {
     pub recorded: Vec<Signal>,
     /// What a scene records besides, once a proposition or a requirement names it.
     pub truth: Option<Truth>,
+    /// What of descriptions is not simulated as it is described, and doubts of what the scene asks for, each with its place.
+    pub gaps: Vec<String>,
+    /// What of it was checked before anything runs, and what could not be, each with its place.
+    pub checked: Vec<String>,
 }
 
 /// A signal of a recording.
@@ -104,7 +108,7 @@ pub(super) fn signals_of(folder: &Path, library: Option<&Path>) -> Result<StudyS
         known.push(simulated);
     }
     Ok(StudySignals {
-        format: "1.0".into(),
+        format: "1.1".into(),
         study: folder.display().to_string(),
         simulations,
     })
@@ -148,6 +152,8 @@ impl SimulationSignals {
             engine: rig.engine(),
             recorded: recorded(&layout),
             truth: rig.truth().map(Truth::new),
+            gaps: rig.gaps().iter().map(ToString::to_string).collect(),
+            checked: rig.checked().to_vec(),
         })
     }
 }
