@@ -24,7 +24,7 @@ use study::Study;
 use testbench::controller::{Controller, ControllerError, RemoteController};
 use testbench::physics::RAPIER_VERSION;
 use testbench::scene::{
-    BuildPhysics, ControllerData, Gripper, GripperKind, SceneBench, SceneGap,
+    BuildPhysics, Caution, ControllerData, Gripper, GripperKind, SceneBench, SceneGap,
     StartController, TruthVocabulary, mujoco, rapier,
 };
 use testbench::{Bench, Drawn, Engine, Recorded, SimError, Watch};
@@ -116,7 +116,8 @@ impl SceneRig {
             None => format!("{}: {}", plain(scene), it.what),
         });
         let checked = checked.collect();
-        let declared = attaching(scene, source, &bench.data().grippers);
+        let mut declared = attaching(scene, source, &bench.data().grippers);
+        declared.extend(minded(scene, source, bench.cautions()));
         let beside = scene.parent().unwrap_or(Path::new(""));
         let assets = files.into_iter().map(|(path, hash)| Asset {
             role: AssetRole::SystemModel,
@@ -321,6 +322,26 @@ fn attaching(scene: &Path, source: &Source, grippers: &[Gripper]) -> Vec<Descrip
         })
     });
     declared.collect()
+}
+
+/// What a scene asks for that the engine does, but hardly as it is meant.
+fn minded(scene: &Path, source: &Source, cautions: &[Caution]) -> Vec<DescriptionGap> {
+    let gap = |caution: &Caution| {
+        // A joint's number may stand in a list, or be left out.
+        let above = caution.key.rsplit_once('.').map(|(above, _)| above);
+        let place = line_of(source, &caution.key);
+        let place = place.or_else(|| above.and_then(|above| line_of(source, above)));
+        DescriptionGap {
+            file: plain(scene),
+            line: place.map(|(line, _)| line),
+            column: place.map(|(_, column)| column),
+            element: caution.element.clone(),
+            what: caution.what.clone(),
+            effect: caution.effect.to_owned(),
+            consequence: caution.consequence.clone(),
+        }
+    };
+    cautions.iter().map(gap).collect()
 }
 
 /// Line and column of a key.

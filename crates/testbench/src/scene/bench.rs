@@ -8,6 +8,7 @@ use toml::{Table, Value};
 use trace::Trace;
 
 use super::build::{Built, Models, build, check_engine};
+use super::cautions::{Caution, cautions};
 use super::data::{ActuatorKind, ControllerData, Robot, SceneData, Trajectory, resolve};
 use super::draws::Draws;
 use super::gaps::SceneGap;
@@ -64,6 +65,7 @@ pub struct SceneBench {
     declared: Declared,
     built: Built,
     checked: Vec<Checked>,
+    cautions: Vec<Caution>,
 }
 
 /// What was checked of a scene before anything runs, and what could not be.
@@ -105,8 +107,9 @@ impl SceneBench {
             started.end()?;
         }
         let built = build(&data, &models, Draws { seed: 0 })?;
-        let engine = physics(&built.layout)?;
+        let mut engine = physics(&built.layout)?;
         check_engine(&data, &built.layout, engine.as_ref())?;
+        let cautions = cautions(&data, &built, engine.as_mut());
         check_tool_points(&data, &built)?;
         let checked = check_waypoints(&data, &models, &built)?;
         let truth: BTreeSet<String> = data.truth.record.iter().cloned().collect();
@@ -133,6 +136,7 @@ impl SceneBench {
             declared: none,
             built,
             checked,
+            cautions,
         };
         match bench.declare(truth)? {
             Ok(bench) => Ok((bench, gaps)),
@@ -197,6 +201,12 @@ impl SceneBench {
     #[must_use]
     pub fn checked(&self) -> &[Checked] {
         &self.checked
+    }
+
+    /// What the scene asks for that the engine does, but hardly as it is meant.
+    #[must_use]
+    pub fn cautions(&self) -> &[Caution] {
+        &self.cautions
     }
 
     /// The scene's data, on which a stimulus's settings act.

@@ -96,6 +96,7 @@ mod actuating;
 mod attachment;
 mod bench;
 mod build;
+mod cautions;
 mod compliant;
 mod data;
 mod draws;
@@ -105,6 +106,7 @@ mod gaps;
 mod grip;
 mod gripping;
 mod grouping;
+mod inertia;
 mod load;
 mod materials;
 mod measure;
@@ -123,6 +125,7 @@ mod walker;
 mod wrench;
 
 pub use bench::{BuildPhysics, Checked, SceneBench, StartController, mujoco, rapier};
+pub use cautions::Caution;
 pub use data::{
     Activity, Actuator, ActuatorFault, ActuatorFaultKind, ActuatorKind, ArmAngles, ArmPose, Attach,
     Avoidance, Compliance, ConeKind, ControllerData, Fault, FaultKind, Gripper, GripperKind,
