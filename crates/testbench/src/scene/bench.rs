@@ -8,6 +8,7 @@ use toml::{Table, Value};
 use trace::Trace;
 
 use super::build::{Built, Models, build, check_engine};
+use super::capture::{Files, read_all};
 use super::cautions::{Caution, cautions};
 use super::data::{ActuatorKind, ControllerData, Robot, SceneData, Trajectory, resolve};
 use super::draws::Draws;
@@ -51,6 +52,8 @@ pub(super) struct Prepared {
     /// Whether plain numbers are to be drawn for each episode.
     undrawn: bool,
     pub(super) models: Arc<Models>,
+    /// Recordings of people, by file.
+    captures: Arc<Files>,
     pub(super) physics: BuildPhysics,
     pub(super) controllers: StartController,
     /// Names of truth that is recorded because somebody reads it.
@@ -99,7 +102,8 @@ impl SceneBench {
         })?;
         let mut data = SceneData::from_table(table.clone())?;
         let (models, gaps) = super::load::load(&data, file)?;
-        data.complete(&models)?;
+        let captures = read_all(&data, file)?;
+        data.complete(&models, &captures)?;
         let mut descriptions = Vec::new();
         for controller in &data.controllers {
             let mut started = controllers(controller)?;
@@ -127,6 +131,7 @@ impl SceneBench {
                 data,
                 undrawn: is_undrawn(&table),
                 models: Arc::new(models),
+                captures: Arc::new(captures),
                 physics,
                 controllers,
                 truth: Arc::new(BTreeSet::new()),
@@ -177,6 +182,7 @@ impl SceneBench {
             data: prepared.data.clone(),
             undrawn: prepared.undrawn,
             models: Arc::clone(&prepared.models),
+            captures: Arc::clone(&prepared.captures),
             physics: Arc::clone(&prepared.physics),
             controllers: Arc::clone(&prepared.controllers),
             truth: Arc::new(truth),
@@ -251,16 +257,19 @@ impl SceneBench {
         let mut data = SceneData::read(drawn).map_err(|error| unsuitable(&error))?;
         let Prepared {
             models,
+            captures,
             physics,
             controllers,
             truth,
             ..
         } = self.prepared.as_ref();
-        data.complete(models).map_err(|error| unsuitable(&error))?;
+        data.complete(models, captures)
+            .map_err(|error| unsuitable(&error))?;
         Ok(Arc::new(Prepared {
             data,
             undrawn: false,
             models: Arc::clone(models),
+            captures: Arc::clone(captures),
             physics: Arc::clone(physics),
             controllers: Arc::clone(controllers),
             truth: Arc::clone(truth),

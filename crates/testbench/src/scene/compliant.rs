@@ -373,7 +373,7 @@ impl Held {
                 normal_newtons,
                 tangential_newtons,
                 point_m,
-                normal: normal,
+                normal,
             },
             on_part,
         }

@@ -96,6 +96,7 @@ mod actuating;
 mod attachment;
 mod bench;
 mod build;
+mod capture;
 mod cautions;
 mod compliant;
 mod data;
@@ -128,11 +129,11 @@ pub use bench::{BuildPhysics, Checked, SceneBench, StartController, mujoco, rapi
 pub use cautions::Caution;
 pub use data::{
     Activity, Actuator, ActuatorFault, ActuatorFaultKind, ActuatorKind, ArmAngles, ArmPose, Attach,
-    Avoidance, Compliance, ConeKind, ControllerData, Fault, FaultKind, Gripper, GripperKind,
-    Ground, Group, GroupMode, GroupWaypoint, Hesitation, JointGroup, Material, MujocoKeys, Object,
-    PerJoint, Person, PersonBody, PlaceKeys, ProfileKind, RapierKeys, Reaction, ReactionKind,
-    Region, Robot, SceneData, Sensor, SensorKind, Simulation, ToolPoint, Trajectory, TruthKeys,
-    Waypoint,
+    Avoidance, Capture, CaptureAxis, CaptureNames, CaptureUnit, Compliance, ConeKind,
+    ControllerData, Fault, FaultKind, Gripper, GripperKind, Ground, Group, GroupMode,
+    GroupWaypoint, Hesitation, JointGroup, Material, MujocoKeys, Object, PerJoint, Person,
+    PersonBody, PlaceKeys, ProfileKind, RapierKeys, Reaction, ReactionKind, Region, Robot,
+    SceneData, Sensor, SensorKind, Simulation, ToolPoint, Trajectory, TruthKeys, Waypoint,
 };
 pub use draws::drawn_number;
 pub use gaps::{SceneGap, description_gaps};

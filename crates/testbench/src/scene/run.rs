@@ -562,6 +562,7 @@ pub(super) fn known(
         fields: data.actuators.iter().map(settable).collect(),
         sensors: data.sensors.iter().map(|s| s.name.clone()).collect(),
         actuators: data.actuators.iter().map(|a| a.name.clone()).collect(),
+        replayed: data.people.iter().map(|p| p.capture.is_some()).collect(),
         people,
     }
 }

@@ -9,6 +9,9 @@
 //! is only passed counts as reached from nearby.
 
 mod company;
+mod replay;
+
+use replay::Replay;
 
 pub(super) use company::{PersonSeen, Surroundings};
 
@@ -136,6 +139,8 @@ pub(super) struct Walker {
     near_since_secs: Option<f64>,
     reacting: bool,
     aside_m: Option<[f64; 2]>,
+    /// The recording that is replayed in place of walking.
+    replay: Option<Replay>,
 }
 
 impl Walker {
@@ -187,7 +192,7 @@ impl Walker {
         };
         let probability = drawn("distracted_probability", &person.distracted_probability);
         let name = format!("person.{}.is_distracted", person.name);
-        Self {
+        let mut walker = Self {
             body: person.body,
             stance: Stance {
                 x_m: drawn("x_m", &person.x_m),
@@ -196,6 +201,7 @@ impl Walker {
                 speed_m_s: 0.0,
                 walked_m: 0.0,
                 arms: numbers.arms(person.arms),
+                figure: None,
             },
             arms: person.arms,
             activity: person.activity,
@@ -214,7 +220,13 @@ impl Walker {
             near_since_secs: None,
             reacting: false,
             aside_m: None,
+            replay: None,
+        };
+        walker.replay = Replay::new(person, &walker.stance, draws);
+        if let Some(replay) = &walker.replay {
+            walker.stance = replay.stance(&walker.stance);
         }
+        walker
     }
 
     /// The same in a group.
@@ -222,8 +234,11 @@ impl Walker {
         Self { group, ..self }
     }
 
-    /// Whether the last waypoint has been reached.
+    /// Whether the last waypoint has been reached, or the recording is over.
     pub(super) fn has_arrived(&self) -> bool {
+        if let Some(replay) = &self.replay {
+            return replay.is_over();
+        }
         !self.drawn.waypoints.is_empty() && self.next >= self.drawn.waypoints.len()
     }
 
@@ -246,6 +261,9 @@ impl Walker {
 
     /// Moves on by `period_secs`.
     pub(super) fn update(&mut self, now_secs: f64, period_secs: f64, around: Surroundings<'_>) {
+        if self.replay.is_some() {
+            return self.replay_on(now_secs, period_secs);
+        }
         let nearest = self.nearest(around.robots);
         self.notice(now_secs, nearest);
         self.move_arms(period_secs);
@@ -277,6 +295,9 @@ impl Walker {
         let [x_m_s, y_m_s] = newtons.map(|part| part / size * speed_m_s);
         self.stance.x_m += x_m_s * secs;
         self.stance.y_m += y_m_s * secs;
+        if let Some(replay) = &mut self.replay {
+            replay.shift([x_m_s * secs, y_m_s * secs]);
+        }
         self.velocity_m_s = [self.velocity_m_s[0] + x_m_s, self.velocity_m_s[1] + y_m_s];
     }
 

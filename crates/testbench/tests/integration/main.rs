@@ -1,5 +1,6 @@
 //! All integration tests of the crate in one program, since each program costs a link.
 
+mod capture;
 mod cautions;
 mod common;
 mod compliant;

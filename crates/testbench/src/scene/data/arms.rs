@@ -161,15 +161,16 @@ impl SceneData {
         }
     }
 
-    /// Fills in what groups and recorded joints have from their robots' descriptions.
+    /// Fills in what groups and recorded joints have from their robots' descriptions, and what people have from recordings.
     ///
     /// # Errors
     /// All joints that a description does not have or that cannot be driven, and limits that nothing gives.
     pub(in crate::scene) fn complete(
         &mut self,
         models: &BTreeMap<String, robot_model::Model>,
+        captures: &crate::scene::capture::Files,
     ) -> Result<(), ScenarioError> {
-        let mut wrong = Vec::new();
+        let mut wrong = crate::scene::capture::complete(self, captures);
         let step_secs = self.simulation.time_step_secs;
         for robot in &mut self.robots {
             let model = models.get(&robot.file);
