@@ -381,7 +381,11 @@ fn plain(path: &Path) -> String {
             _ => parts.push(part),
         }
     }
-    parts.join("/")
+    let path = parts.join("/");
+    match path.strip_prefix("//") {
+        Some(rest) => format!("/{rest}"),
+        None => path,
+    }
 }
 
 /// Starts the scene's controllers in the scene's folder: as processes, or as
@@ -495,6 +499,33 @@ holding_force_newtons = 20.0
     }
 
     #[test]
+    fn what_is_to_be_minded_has_the_place_of_its_key_or_of_what_it_belongs_to() {
+        let text = "name = \"cell\"\n[[robot]]\nname = \"arm\"\nfile = \"arm.urdf\"\n[[group]]\nname = \"joints\"\nrobot = \"arm\"\nstiffness = 4000.0\n";
+        let source = Source::new("cells/scene.toml", text);
+        let caution = |key: &str| Caution {
+            key: key.to_owned(),
+            element: "joint elbow".to_owned(),
+            what: "it is told".to_owned(),
+            effect: "control",
+            consequence: "mind it".to_owned(),
+        };
+        let told = [
+            caution("group.joints.stiffness"),
+            caution("group.joints.damping"),
+            caution("robot.arm"),
+        ];
+        let gaps = minded(Path::new("cells/scene.toml"), &source, &told);
+        let lines: Vec<Option<u32>> = gaps.iter().map(|it| it.line).collect();
+        assert_eq!(lines, [Some(8), Some(5), Some(2)]);
+        assert!(gaps.iter().all(evidence::DescriptionGap::can_matter));
+        assert!(
+            gaps[0].to_string().contains("cells/scene.toml:8"),
+            "{}",
+            gaps[0]
+        );
+    }
+
+    #[test]
     fn paths_are_given_without_detours() {
         assert_eq!(
             plain(Path::new("simulation/../controller/a.py")),
@@ -502,5 +533,6 @@ holding_force_newtons = 20.0
         );
         assert_eq!(plain(Path::new("./simulation/a.urdf")), "simulation/a.urdf");
         assert_eq!(plain(Path::new("../../a")), "../../a");
+        assert_eq!(plain(Path::new("/opt/arm/../a.urdf")), "/opt/a.urdf");
     }
 }

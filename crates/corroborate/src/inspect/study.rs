@@ -2,6 +2,7 @@
 
 use crate::rigs::Opening;
 use diagnostic::Problem;
+use evidence::DescriptionGap;
 use rig::Rig;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -152,10 +153,23 @@ impl SimulationSignals {
             engine: rig.engine(),
             recorded: recorded(&layout),
             truth: rig.truth().map(Truth::new),
-            gaps: rig.gaps().iter().map(ToString::to_string).collect(),
+            gaps: told(rig.gaps()),
             checked: rig.checked().to_vec(),
         })
     }
+}
+
+/// What can move a number, and how much else there is.
+fn told(gaps: &[DescriptionGap]) -> Vec<String> {
+    let matter = gaps.iter().filter(|it| it.can_matter());
+    let mut lines: Vec<String> = matter.map(ToString::to_string).collect();
+    let others = gaps.len() - lines.len();
+    if others > 0 {
+        lines.push(format!(
+            "{others} more, which concern looks or nothing that is simulated: `corroborate inspect` of the description lists them"
+        ));
+    }
+    lines
 }
 
 fn recorded(layout: &Trace) -> Vec<Signal> {

@@ -88,8 +88,8 @@
 //! * What a gripper attaches (a cup, a tool changer, `attach = "when-grasped"`) is held by a spring and a damper, the same in
 //!   both engines, not by a weld; a parallel gripper's servo has its full force at 2 % of its way.
 //! * Goals of groups are rested at: waypoints are not blended.
-//! * Cameras find markers and measure depth by rays; they have no picture. What a link bears is known to
-//!   MuJoCo alone, so a scene with sensors of it is refused in Rapier.
+//! * Cameras find markers and measure depth by rays; they have no picture. What a link bears follows in Rapier
+//!   from momenta and contacts; of one that is fixed to the world it is known to MuJoCo alone.
 //! * Lights, sound, soft bodies and slopes of the ground are absent.
 
 mod actuating;
