@@ -162,6 +162,10 @@ impl Rig for CommandRig {
         &[]
     }
 
+    fn checked(&self) -> &[String] {
+        &[]
+    }
+
     fn truth(&self) -> Option<testbench::scene::TruthVocabulary> {
         None
     }

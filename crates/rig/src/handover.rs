@@ -139,6 +139,10 @@ impl Rig for HandoverRig {
         &[]
     }
 
+    fn checked(&self) -> &[String] {
+        &[]
+    }
+
     fn truth(&self) -> Option<testbench::scene::TruthVocabulary> {
         None
     }

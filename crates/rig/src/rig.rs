@@ -36,6 +36,9 @@ pub trait Rig: Send + Sync {
     /// What of robots' descriptions is not simulated.
     fn gaps(&self) -> &[DescriptionGap];
 
+    /// What was checked before anything runs, and what could not be: sentences, each with its place.
+    fn checked(&self) -> &[String];
+
     /// All truth that it can record because somebody reads it; `None` of a rig whose recordings always have the same signals.
     fn truth(&self) -> Option<TruthVocabulary>;
 

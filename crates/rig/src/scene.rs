@@ -24,8 +24,8 @@ use study::Study;
 use testbench::controller::{Controller, ControllerError, RemoteController};
 use testbench::physics::RAPIER_VERSION;
 use testbench::scene::{
-    BuildPhysics, ControllerData, Gripper, GripperKind, SceneBench, SceneGap, StartController,
-    TruthVocabulary, mujoco, rapier,
+    BuildPhysics, Caution, ControllerData, Gripper, GripperKind, SceneBench, SceneGap,
+    StartController, TruthVocabulary, mujoco, rapier,
 };
 use testbench::{Bench, Drawn, Engine, Recorded, SimError, Watch};
 use toml::Table;
@@ -68,6 +68,7 @@ pub struct SceneRig {
     /// The files that the scene consists of.
     assets: Vec<Asset>,
     gaps: Vec<DescriptionGap>,
+    checked: Vec<String>,
     /// Signals of truth that the study reads and a scene does not record of itself.
     truth: Vec<String>,
 }
@@ -109,7 +110,14 @@ impl SceneRig {
             }
         }
         let files = files.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let declared = attaching(scene, source, &bench.data().grippers);
+        let checked = bench.checked().iter();
+        let checked = checked.map(|it| match line_of(source, &it.key) {
+            Some((line, column)) => format!("{}:{line}:{column}: {}", plain(scene), it.what),
+            None => format!("{}: {}", plain(scene), it.what),
+        });
+        let checked = checked.collect();
+        let mut declared = attaching(scene, source, &bench.data().grippers);
+        declared.extend(minded(scene, source, bench.cautions()));
         let beside = scene.parent().unwrap_or(Path::new(""));
         let assets = files.into_iter().map(|(path, hash)| Asset {
             role: AssetRole::SystemModel,
@@ -127,6 +135,7 @@ impl SceneRig {
                 .map(|gap| in_study(beside, gap))
                 .chain(declared)
                 .collect(),
+            checked,
             truth,
         })
     }
@@ -179,6 +188,10 @@ impl Rig for SceneRig {
 
     fn gaps(&self) -> &[DescriptionGap] {
         &self.gaps
+    }
+
+    fn checked(&self) -> &[String] {
+        &self.checked
     }
 
     fn truth(&self) -> Option<TruthVocabulary> {
@@ -297,12 +310,11 @@ fn attaching(scene: &Path, source: &Source, grippers: &[Gripper]) -> Vec<Descrip
             _ if gripper.attaches_when_grasped() => "what is grasped is attached to the hand",
             _ => return None,
         };
-        let span = span_of(&source.text, &format!("gripper.{}", gripper.name));
-        let place = span.map(|span| diagnostic::line_and_column(&source.text, span.start));
+        let place = line_of(source, &format!("gripper.{}", gripper.name));
         Some(DescriptionGap {
             file: plain(scene),
-            line: place.and_then(|(line, _)| u32::try_from(line).ok()),
-            column: place.and_then(|(_, column)| u32::try_from(column).ok()),
+            line: place.map(|(line, _)| line),
+            column: place.map(|(_, column)| column),
             element: format!("gripper {}", gripper.name),
             what: format!("{what}, a simplification that the scene declares"),
             effect: "contact".to_owned(),
@@ -310,6 +322,33 @@ fn attaching(scene: &Path, source: &Source, grippers: &[Gripper]) -> Vec<Descrip
         })
     });
     declared.collect()
+}
+
+/// What a scene asks for that the engine does, but hardly as it is meant.
+fn minded(scene: &Path, source: &Source, cautions: &[Caution]) -> Vec<DescriptionGap> {
+    let gap = |caution: &Caution| {
+        // A joint's number may stand in a list, or be left out.
+        let above = caution.key.rsplit_once('.').map(|(above, _)| above);
+        let place = line_of(source, &caution.key);
+        let place = place.or_else(|| above.and_then(|above| line_of(source, above)));
+        DescriptionGap {
+            file: plain(scene),
+            line: place.map(|(line, _)| line),
+            column: place.map(|(_, column)| column),
+            element: caution.element.clone(),
+            what: caution.what.clone(),
+            effect: caution.effect.to_owned(),
+            consequence: caution.consequence.clone(),
+        }
+    };
+    cautions.iter().map(gap).collect()
+}
+
+/// Line and column of a key.
+fn line_of(source: &Source, key: &str) -> Option<(u32, u32)> {
+    let span = span_of(&source.text, key)?;
+    let (line, column) = diagnostic::line_and_column(&source.text, span.start);
+    Some((u32::try_from(line).ok()?, u32::try_from(column).ok()?))
 }
 
 /// A gap, its file by its path in the study; addresses such as `package://` stay what they are.
@@ -342,7 +381,11 @@ fn plain(path: &Path) -> String {
             _ => parts.push(part),
         }
     }
-    parts.join("/")
+    let path = parts.join("/");
+    match path.strip_prefix("//") {
+        Some(rest) => format!("/{rest}"),
+        None => path,
+    }
 }
 
 /// Starts the scene's controllers in the scene's folder: as processes, or as
@@ -456,6 +499,33 @@ holding_force_newtons = 20.0
     }
 
     #[test]
+    fn what_is_to_be_minded_has_the_place_of_its_key_or_of_what_it_belongs_to() {
+        let text = "name = \"cell\"\n[[robot]]\nname = \"arm\"\nfile = \"arm.urdf\"\n[[group]]\nname = \"joints\"\nrobot = \"arm\"\nstiffness = 4000.0\n";
+        let source = Source::new("cells/scene.toml", text);
+        let caution = |key: &str| Caution {
+            key: key.to_owned(),
+            element: "joint elbow".to_owned(),
+            what: "it is told".to_owned(),
+            effect: "control",
+            consequence: "mind it".to_owned(),
+        };
+        let told = [
+            caution("group.joints.stiffness"),
+            caution("group.joints.damping"),
+            caution("robot.arm"),
+        ];
+        let gaps = minded(Path::new("cells/scene.toml"), &source, &told);
+        let lines: Vec<Option<u32>> = gaps.iter().map(|it| it.line).collect();
+        assert_eq!(lines, [Some(8), Some(5), Some(2)]);
+        assert!(gaps.iter().all(evidence::DescriptionGap::can_matter));
+        assert!(
+            gaps[0].to_string().contains("cells/scene.toml:8"),
+            "{}",
+            gaps[0]
+        );
+    }
+
+    #[test]
     fn paths_are_given_without_detours() {
         assert_eq!(
             plain(Path::new("simulation/../controller/a.py")),
@@ -463,5 +533,6 @@ holding_force_newtons = 20.0
         );
         assert_eq!(plain(Path::new("./simulation/a.urdf")), "simulation/a.urdf");
         assert_eq!(plain(Path::new("../../a")), "../../a");
+        assert_eq!(plain(Path::new("/opt/arm/../a.urdf")), "/opt/a.urdf");
     }
 }

@@ -179,6 +179,71 @@ impl std::fmt::Display for Creep {
     }
 }
 
+/// A trajectory that could not be gone along from where its group was when it was begun. A recording has them in its metadata, if
+/// there are any.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OutOfReach {
+    /// The trajectory.
+    pub trajectory: String,
+    /// The waypoint, counted from 0.
+    pub waypoint: usize,
+    /// When it was found.
+    pub secs: f64,
+    /// What is left to the best pose that was found.
+    pub distance_left_m: f64,
+    /// The same of its orientation.
+    pub angle_left_rad: f64,
+}
+
+impl OutOfReach {
+    /// The key of a recording's metadata that has them, as JSON.
+    pub const KEY: &str = "out_of_reach";
+
+    /// One, with the distance and the angle that are left.
+    #[must_use]
+    pub fn new(trajectory: &str, waypoint: usize, secs: f64, left: [f64; 2]) -> Self {
+        let [distance_left_m, angle_left_rad] = left;
+        Self {
+            trajectory: trajectory.to_owned(),
+            waypoint,
+            secs,
+            distance_left_m,
+            angle_left_rad,
+        }
+    }
+
+    /// Those of a recording; none of one that says nothing of them.
+    #[must_use]
+    pub fn of(trace: &Trace) -> Vec<Self> {
+        let text = trace.metadata.get(Self::KEY);
+        text.and_then(|text| serde_json::from_str(text).ok())
+            .unwrap_or_default()
+    }
+
+    /// Writes it down behind those that the recording has.
+    pub(crate) fn add_to(self, trace: &mut Trace) {
+        let mut all = Self::of(trace);
+        all.push(self);
+        if let Ok(text) = serde_json::to_string(&all) {
+            trace.metadata.insert(Self::KEY.to_owned(), text);
+        }
+    }
+}
+
+impl std::fmt::Display for OutOfReach {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "at {:.2} s waypoint {} of `{}` was out of reach by {:.1} mm and {:.2} degrees",
+            self.secs,
+            self.waypoint,
+            self.trajectory,
+            1e3 * self.distance_left_m,
+            self.angle_left_rad.to_degrees()
+        )
+    }
+}
+
 /// A number that a run draws once from its seed, which a setting of its key would fix.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {

@@ -34,8 +34,8 @@ pub mod scene;
 mod viewer;
 
 pub use bench::{
-    Bench, Cancel, Control, Creep, Drawn, End, Failure, Part, Recorded, Savable, ScenarioError,
-    SimError, Status, Unwatched, Watch,
+    Bench, Cancel, Control, Creep, Drawn, End, Failure, OutOfReach, Part, Recorded, Savable,
+    ScenarioError, SimError, Status, Unwatched, Watch,
 };
 pub use difference::{Compared, Difference, differences};
 pub use hull::hull_triangles;

@@ -2,6 +2,7 @@
 
 use crate::rigs::Opening;
 use diagnostic::Problem;
+use evidence::DescriptionGap;
 use rig::Rig;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -32,6 +33,10 @@ pub struct SimulationSignals {
     pub recorded: Vec<Signal>,
     /// What a scene records besides, once a proposition or a requirement names it.
     pub truth: Option<Truth>,
+    /// What of descriptions is not simulated as it is described, and doubts of what the scene asks for, each with its place.
+    pub gaps: Vec<String>,
+    /// What of it was checked before anything runs, and what could not be, each with its place.
+    pub checked: Vec<String>,
 }
 
 /// A signal of a recording.
@@ -104,7 +109,7 @@ pub(super) fn signals_of(folder: &Path, library: Option<&Path>) -> Result<StudyS
         known.push(simulated);
     }
     Ok(StudySignals {
-        format: "1.0".into(),
+        format: "1.1".into(),
         study: folder.display().to_string(),
         simulations,
     })
@@ -148,8 +153,23 @@ impl SimulationSignals {
             engine: rig.engine(),
             recorded: recorded(&layout),
             truth: rig.truth().map(Truth::new),
+            gaps: told(rig.gaps()),
+            checked: rig.checked().to_vec(),
         })
     }
+}
+
+/// What can move a number, and how much else there is.
+fn told(gaps: &[DescriptionGap]) -> Vec<String> {
+    let matter = gaps.iter().filter(|it| it.can_matter());
+    let mut lines: Vec<String> = matter.map(ToString::to_string).collect();
+    let others = gaps.len() - lines.len();
+    if others > 0 {
+        lines.push(format!(
+            "{others} more, which concern looks or nothing that is simulated: `corroborate inspect` of the description lists them"
+        ));
+    }
+    lines
 }
 
 fn recorded(layout: &Trace) -> Vec<Signal> {

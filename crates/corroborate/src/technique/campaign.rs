@@ -6,12 +6,12 @@
 //! same at any number of threads. What is judged stands in a journal, so that an interrupted
 //! campaign goes on where it stopped.
 
-mod creeping;
 mod driver;
 mod ended;
 mod estimates;
 mod failing;
 mod left;
+mod mishaps;
 mod one;
 mod online;
 mod ordered;
@@ -23,7 +23,6 @@ mod took;
 mod until;
 mod watched;
 
-pub use creeping::CreepTally;
 pub use driver::{Campaigning, Finished};
 pub use ended::{
     Ended, FailureCounts, ended, failure_of, in_words as failures_in_words, never_worked, stops,
@@ -31,6 +30,7 @@ pub use ended::{
 pub use estimates::estimates;
 pub use failing::{is_of_physics, kind_of, words_of};
 pub use left::judge_left;
+pub use mishaps::Mishaps;
 pub use online::OnLine;
 pub use recount::{form_verdicts, records_judged_by, recount};
 pub use tally::{Intervals, Tally, anytime, monitors};
@@ -71,7 +71,7 @@ pub fn judged_by(study: &Study, rig: &dyn Rig, program: &str) -> String {
 }
 
 impl Campaigning<'_> {
-    /// What was not simulated as it is described, and what moved in a grip.
+    /// What was not simulated as it is described, and what went otherwise than it is meant to.
     pub fn gaps(&self, finished: &Finished) -> Vec<DescriptionGap> {
         let mut gaps = self.rig.gaps().to_vec();
         let entry = self.study.entry(self.id).ok();
@@ -80,7 +80,7 @@ impl Campaigning<'_> {
         {
             scene = path.display().to_string();
         }
-        gaps.extend(finished.crept.gaps(&scene));
+        gaps.extend(finished.mishaps.gaps(&scene));
         gaps
     }
 

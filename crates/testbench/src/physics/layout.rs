@@ -252,8 +252,10 @@ pub struct CouplingPlan {
     pub joint: usize,
     /// The joint that leads; a constant if `None`.
     pub leader: Option<usize>,
-    /// Coefficients, the constant first.
+    /// Coefficients, the constant first. They are of positions less the joints' references.
     pub coefficients: [f64; 5],
+    /// Whether it carries forces of a mechanism, and is as stiff as the engine can have it.
+    pub carries: bool,
 }
 
 /// What a joint's position is.

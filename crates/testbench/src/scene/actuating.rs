@@ -8,7 +8,7 @@ use super::data::{Actuator, ActuatorKind, GripperKind, GroupMode, JointGroup, Sc
 use super::draws::Draws;
 use super::drive_errors::DriveErrors;
 use super::gripping::Gripping;
-use super::grouping::Grouping;
+use super::grouping::{Ended, Grouping};
 use super::measure::yaw_of;
 use crate::controller::{Port, PortField};
 use crate::physics::Physics;
@@ -149,13 +149,13 @@ impl Actuating {
         self.told.contains(&true)
     }
 
-    /// Brings the drives on their way for the next step, which begins now; the name of a trajectory that has ended.
+    /// Brings the drives on their way for the next step, which begins now; how a trajectory ended, if one did.
     pub(super) fn act(
         &mut self,
         physics: &mut dyn Physics,
         now_secs: f64,
         step_secs: f64,
-    ) -> Option<String> {
+    ) -> Option<Ended> {
         let mut ended = None;
         let strength = self.errors.strength(now_secs);
         let is_sound = !self.errors.is_faulty(now_secs);

@@ -8,7 +8,9 @@ use toml::{Table, Value};
 use trace::Trace;
 
 use super::build::{Built, Models, build, check_engine};
-use super::data::{ActuatorKind, ControllerData, SceneData, resolve};
+use super::capture::{Files, read_all};
+use super::cautions::{Caution, cautions};
+use super::data::{ActuatorKind, ControllerData, Robot, SceneData, Trajectory, resolve};
 use super::draws::Draws;
 use super::gaps::SceneGap;
 use super::grouping::Grouping;
@@ -50,6 +52,8 @@ pub(super) struct Prepared {
     /// Whether plain numbers are to be drawn for each episode.
     undrawn: bool,
     pub(super) models: Arc<Models>,
+    /// Recordings of people, by file.
+    captures: Arc<Files>,
     pub(super) physics: BuildPhysics,
     pub(super) controllers: StartController,
     /// Names of truth that is recorded because somebody reads it.
@@ -63,6 +67,17 @@ pub struct SceneBench {
     descriptions: Vec<Description>,
     declared: Declared,
     built: Built,
+    checked: Vec<Checked>,
+    cautions: Vec<Caution>,
+}
+
+/// What was checked of a scene before anything runs, and what could not be.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Checked {
+    /// The key in the scene's file.
+    pub key: String,
+    /// In a sentence that begins with what the key names.
+    pub what: String,
 }
 
 impl SceneBench {
@@ -87,7 +102,8 @@ impl SceneBench {
         })?;
         let mut data = SceneData::from_table(table.clone())?;
         let (models, gaps) = super::load::load(&data, file)?;
-        data.complete(&models)?;
+        let captures = read_all(&data, file)?;
+        data.complete(&models, &captures)?;
         let mut descriptions = Vec::new();
         for controller in &data.controllers {
             let mut started = controllers(controller)?;
@@ -95,10 +111,11 @@ impl SceneBench {
             started.end()?;
         }
         let built = build(&data, &models, Draws { seed: 0 })?;
-        let engine = physics(&built.layout)?;
+        let mut engine = physics(&built.layout)?;
         check_engine(&data, &built.layout, engine.as_ref())?;
+        let cautions = cautions(&data, &built, engine.as_mut());
         check_tool_points(&data, &built)?;
-        check_waypoints(&data, &models, &built)?;
+        let checked = check_waypoints(&data, &models, &built)?;
         let truth: BTreeSet<String> = data.truth.record.iter().cloned().collect();
         let none = Declared::new(&data, &built, &Trace::new(), &BTreeSet::new());
         let none = none.map_err(|unknown| of_scene(&unknown))?;
@@ -114,6 +131,7 @@ impl SceneBench {
                 data,
                 undrawn: is_undrawn(&table),
                 models: Arc::new(models),
+                captures: Arc::new(captures),
                 physics,
                 controllers,
                 truth: Arc::new(BTreeSet::new()),
@@ -122,6 +140,8 @@ impl SceneBench {
             descriptions,
             declared: none,
             built,
+            checked,
+            cautions,
         };
         match bench.declare(truth)? {
             Ok(bench) => Ok((bench, gaps)),
@@ -162,6 +182,7 @@ impl SceneBench {
             data: prepared.data.clone(),
             undrawn: prepared.undrawn,
             models: Arc::clone(&prepared.models),
+            captures: Arc::clone(&prepared.captures),
             physics: Arc::clone(&prepared.physics),
             controllers: Arc::clone(&prepared.controllers),
             truth: Arc::new(truth),
@@ -180,6 +201,18 @@ impl SceneBench {
     #[must_use]
     pub fn truth(&self) -> TruthVocabulary {
         self.declared.vocabulary(&self.prepared.data, &self.built)
+    }
+
+    /// What was checked of trajectories before anything runs, and what could not be.
+    #[must_use]
+    pub fn checked(&self) -> &[Checked] {
+        &self.checked
+    }
+
+    /// What the scene asks for that the engine does, but hardly as it is meant.
+    #[must_use]
+    pub fn cautions(&self) -> &[Caution] {
+        &self.cautions
     }
 
     /// The scene's data, on which a stimulus's settings act.
@@ -224,16 +257,19 @@ impl SceneBench {
         let mut data = SceneData::read(drawn).map_err(|error| unsuitable(&error))?;
         let Prepared {
             models,
+            captures,
             physics,
             controllers,
             truth,
             ..
         } = self.prepared.as_ref();
-        data.complete(models).map_err(|error| unsuitable(&error))?;
+        data.complete(models, captures)
+            .map_err(|error| unsuitable(&error))?;
         Ok(Arc::new(Prepared {
             data,
             undrawn: false,
             models: Arc::clone(models),
+            captures: Arc::clone(captures),
             physics: Arc::clone(physics),
             controllers: Arc::clone(controllers),
             truth: Arc::clone(truth),
@@ -321,8 +357,13 @@ fn check_tool_points(data: &SceneData, built: &Built) -> Result<(), ScenarioErro
 }
 
 /// Waypoints can be reached from where their robot begins, as far as that is not drawn.
-fn check_waypoints(data: &SceneData, models: &Models, built: &Built) -> Result<(), ScenarioError> {
+fn check_waypoints(
+    data: &SceneData,
+    models: &Models,
+    built: &Built,
+) -> Result<Vec<Checked>, ScenarioError> {
     let mut wrong = Vec::new();
+    let mut checked = Vec::new();
     for actuator in &data.actuators {
         let ActuatorKind::JointGroup(group) = &actuator.kind else {
             continue;
@@ -333,14 +374,19 @@ fn check_waypoints(data: &SceneData, models: &Models, built: &Built) -> Result<(
         let stands = robot.place();
         let mut numbers = stands.fields().into_iter().map(|(_, number)| number);
         let is_drawn = |number: &Distribution| !matches!(number, Distribution::Constant(_));
-        if numbers.any(is_drawn) || robot.joints.values().any(is_drawn) {
-            continue;
-        }
+        let varies = numbers.any(is_drawn) || robot.joints.values().any(is_drawn);
         let own = data.trajectories.iter();
-        let own = own
+        let own: Vec<_> = own
             .filter(|it| it.group == actuator.name)
             .cloned()
             .collect();
+        checked.extend(own.iter().map(|trajectory| Checked {
+            key: format!("trajectory.{}", trajectory.name),
+            what: beforehand(trajectory, robot, varies),
+        }));
+        if varies {
+            continue;
+        }
         let Some(model) = models.get(&robot.file) else {
             continue;
         };
@@ -354,7 +400,24 @@ fn check_waypoints(data: &SceneData, models: &Models, built: &Built) -> Result<(
             wrong.push(ScenarioError::value(&key, &problem));
         }
     }
-    ScenarioError::all(wrong)
+    ScenarioError::all(wrong).map(|()| checked)
+}
+
+/// What of a trajectory was tried before anything runs.
+fn beforehand(trajectory: &Trajectory, robot: &Robot, varies: bool) -> String {
+    let Trajectory { name, group, .. } = trajectory;
+    let tried = match varies {
+        true => format!(
+            "the waypoints of `{name}` were not tried, since where `{}` begins is drawn",
+            robot.name
+        ),
+        false => format!(
+            "the waypoints of `{name}` are in reach from where the scene lets `{group}` begin; from elsewhere they were not tried"
+        ),
+    };
+    format!(
+        "{tried}; all are tried again from where `{group}` is when `{name}` is begun, and `{name}.failed` is sent and /group/{group}.failed true if one is out of reach"
+    )
 }
 
 /// Whether there are plain numbers in it that each episode draws.

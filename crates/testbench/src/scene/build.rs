@@ -9,7 +9,7 @@ use super::data::{
     Sensor, SensorKind,
 };
 use super::draws::Draws;
-use super::gripping::{FOLLOWS_SECS, FULL_AT};
+use super::fingers::{begin_together, carry, join};
 use super::materials::coat;
 use super::person::body_of;
 use super::sensing::joints_of;
@@ -59,6 +59,16 @@ impl Built {
                 .collect(),
             shapes: shapes.collect(),
         }
+    }
+
+    /// Joints of a gripper's robot that others drive.
+    pub(super) fn driven_elsewhere(
+        &self,
+        gripper: &Gripper,
+        robot: usize,
+        data: &SceneData,
+    ) -> Vec<usize> {
+        driven_elsewhere(gripper, data, &self.robots[robot].added.joints)
     }
 
     fn role(&self, index: usize, shape: &ShapePlan) -> Role {
@@ -146,7 +156,7 @@ pub(super) fn build(
         group += 1;
         group - 1
     };
-    let robots = data
+    let mut robots = data
         .robots
         .iter()
         .map(|robot| add_robot(&mut layout, robot, models, draws, next_group()))
@@ -167,6 +177,7 @@ pub(super) fn build(
         .iter()
         .map(|actuator| add_drives(&mut layout, actuator, data, &robots))
         .collect::<Result<_, _>>()?;
+    begin_together(&layout, data, &mut robots)?;
     layout.wrenches = borne(data, &layout, &robots)?;
     let built = Built {
         layout,
@@ -392,18 +403,10 @@ fn add_drives(
         ActuatorKind::Effort { limit, .. } => (DriveKind::Effort, *limit),
         ActuatorKind::JointGroup(group) => {
             let plans = group_drives(group);
-            return add_each(layout, "group", actuator, joints, &plans);
+            return add_each(layout, actuator, joints, &plans);
         }
         ActuatorKind::Gripper(gripper) => {
-            let drives = add_each(
-                layout,
-                "gripper",
-                actuator,
-                joints,
-                &gripper_drives(gripper),
-            )?;
-            add_return_springs(layout, gripper, drives.clone());
-            return Ok(drives);
+            return add_gripper(layout, gripper, actuator, data, robots);
         }
         ActuatorKind::PlanarVelocity { .. } => return Ok(start..start),
     };
@@ -424,10 +427,9 @@ fn add_drives(
     Ok(start..layout.drives.len())
 }
 
-/// A drive for each joint of a group or of a gripper, each with its law and its limit.
+/// A drive for each joint of a group, each with its law and its limit.
 fn add_each(
     layout: &mut Layout,
-    list: &str,
     actuator: &Actuator,
     joints: Option<&BTreeMap<String, usize>>,
     plans: &[(DriveKind, f64)],
@@ -437,7 +439,7 @@ fn add_each(
     for (place, (name, (kind, limit))) in named.enumerate() {
         let joint = joints.and_then(|joints| joints.get(name));
         let joint = joint.ok_or_else(|| ScenarioError::UnknownName {
-            key: super::data::key_of(list, &actuator.name, &format!("joints.{place}")),
+            key: super::data::key_of("group", &actuator.name, &format!("joints.{place}")),
             name: name.to_owned(),
         })?;
         layout.drives.push(DrivePlan {
@@ -468,39 +470,65 @@ fn group_drives(data: &JointGroup) -> Vec<(DriveKind, f64)> {
     joints.map(|(joint, limit)| (kind(joint), *limit)).collect()
 }
 
-fn gripper_drives(gripper: &Gripper) -> Vec<(DriveKind, f64)> {
+fn add_gripper(
+    layout: &mut Layout,
+    gripper: &Gripper,
+    actuator: &Actuator,
+    data: &SceneData,
+    robots: &[BuiltRobot],
+) -> Result<Range<usize>, ScenarioError> {
+    let start = layout.drives.len();
+    let robot = data.robots.iter().position(|r| r.name == actuator.robot);
+    let named = robot.and_then(|robot| robots.get(robot));
+    let named = named.map(|robot| &robot.added.joints);
+    let mut joints = Vec::new();
+    for (place, name) in gripper.joints().iter().enumerate() {
+        let joint = named.and_then(|named| named.get(name)).copied();
+        joints.push(joint.ok_or_else(|| ScenarioError::UnknownName {
+            key: super::data::key_of("gripper", &gripper.name, &format!("joints.{place}")),
+            name: name.to_owned(),
+        })?);
+    }
     match &gripper.kind {
-        GripperKind::Parallel {
-            open,
-            closed,
-            width_m,
-            force_limit_newtons,
-            ..
-        } => {
-            let count = open.len() as f64;
-            let joints = open.iter().zip(closed);
-            let drive = |(open, closed): (&f64, &f64)| {
-                let way = (open - closed).abs();
-                let limit = force_limit_newtons * width_m / (count * way);
-                let stiffness = limit / (FULL_AT * way);
-                let damping = stiffness * FOLLOWS_SECS;
-                (DriveKind::Position { stiffness, damping }, limit)
-            };
-            joints.map(drive).collect()
+        GripperKind::Parallel { .. } => {
+            let elsewhere = named.map(|named| driven_elsewhere(gripper, data, named));
+            join(
+                layout,
+                &gripper.kind,
+                &joints,
+                &elsewhere.unwrap_or_default(),
+            );
         }
         GripperKind::UnderActuated {
             pulley_radii_m,
             tension_limit_newtons,
             ..
         } => {
-            let limit = |radius_m: &f64| (radius_m.abs() * tension_limit_newtons).max(1e-9);
-            let radii = pulley_radii_m.iter();
-            radii
-                .map(|radius| (DriveKind::Effort, limit(radius)))
-                .collect()
+            for (joint, radius_m) in joints.iter().zip(pulley_radii_m) {
+                layout.drives.push(DrivePlan {
+                    joint: *joint,
+                    kind: DriveKind::Effort,
+                    limit: (radius_m.abs() * tension_limit_newtons).max(1e-9),
+                });
+            }
+            carry(layout, &joints);
+            add_return_springs(layout, gripper, start..layout.drives.len());
         }
-        GripperKind::Suction { .. } | GripperKind::ToolChanger { .. } => Vec::new(),
+        GripperKind::Suction { .. } | GripperKind::ToolChanger { .. } => {}
     }
+    Ok(start..layout.drives.len())
+}
+
+/// Joints of the gripper's robot that others drive.
+fn driven_elsewhere(
+    gripper: &Gripper,
+    data: &SceneData,
+    named: &BTreeMap<String, usize>,
+) -> Vec<usize> {
+    let others = data.actuators.iter();
+    let others = others.filter(|it| it.robot == gripper.robot && it.name != gripper.name);
+    let joints = others.flat_map(|it| it.kind.joints());
+    joints.filter_map(|name| named.get(name).copied()).collect()
 }
 
 /// Springs that open an under-actuated gripper's joints, besides those that its description has.
@@ -615,7 +643,7 @@ pub(super) fn check_engine(
     let key = super::data::key_of("sensor", name.map_or("", |it| it.name.as_str()), "kind");
     let (engine, _) = physics.engine();
     let problem = format!(
-        "cannot be had in {engine}, which solves links in reduced coordinates, without the forces between them; use MuJoCo"
+        "is of a link that is fixed to the world, of whose forces {engine} knows nothing; mount it on a link that moves, or use MuJoCo"
     );
     Err(ScenarioError::value(&key, &problem))
 }

@@ -16,7 +16,9 @@
 //! ```
 //!
 //! where of `n` substeps in which the engine keeps a force `d` is that after `(n - 1) / 2n` of a time step, with which the spring
-//! neither gains nor loses energy. Friction against a sliding speed `s` is `mu N s / (s + s0)`. What pushes the whole body with
+//! neither gains nor loses energy. The spring is of the part, not of what touches it: of several shapes that press on it from one side,
+//! with normals `u` and penetrations `d`, each has the share `d_i / sum max(0, u_i u_j) d_j`, so that two fingers beside each other are as
+//! stiff as one, and what presses from opposite sides is a spring on each. Friction against a sliding speed `s` is `mu N s / (s + s0)`. What pushes the whole body with
 //! more than its balance, over the time between two moves, makes the person step back.
 //!
 //! # Source
@@ -29,7 +31,7 @@
 //! # Deviation
 //! Parts hang on where the person stands and not on each other, as the annex has a mass for each region and no joints: an arm
 //! that is pushed aside does not pull its hand along. What is fixed to the world and other people touch a part hard, as the
-//! engine has it. Forces are those at the beginning of a time step, so that steps have to be short for the skin
+//! engine has it. Where shares shift between shapes the spring is not conservative. Forces are those at the beginning of a time step, so that steps have to be short for the skin
 //! ([`Compliant::longest_step_secs`]).
 //!
 //! # Guarantee
@@ -213,14 +215,23 @@ impl Compliant {
         for held in &self.parts {
             let pose = physics.body_pose(held.body);
             held.hold(physics, layout, &pose, now_secs - self.goal_secs);
+            let mut overlaps = Vec::new();
             for (toucher, middle_m) in touchers.iter().zip(&at) {
                 let reach_m = held.reach_m + toucher.reach_m;
                 if norm(subtract(*middle_m, pose.position_m)) > reach_m {
                     continue;
                 }
-                let Some(touch) = held.touch(physics, layout, toucher, self.dissipation_s_m) else {
-                    continue;
-                };
+                overlaps.extend(held.overlap(physics, layout, toucher));
+            }
+            for overlap in &overlaps {
+                let share = overlap.share(&overlaps);
+                let touch = held.press(
+                    physics,
+                    layout,
+                    overlap,
+                    share * held.skin_n_m,
+                    self.dissipation_s_m,
+                );
                 for (pushed, force) in self.pushed_ns.iter_mut().zip(touch.on_part) {
                     *pushed += force * layout.time_step_secs;
                 }
@@ -233,6 +244,18 @@ impl Compliant {
     pub(super) fn bodies(&self) -> impl Iterator<Item = usize> + '_ {
         self.parts.iter().map(|held| held.body)
     }
+}
+
+/// A shape that overlaps a part.
+struct Overlap<'a> {
+    toucher: &'a Toucher,
+    /// From the part into the shape.
+    normal: Vector,
+    point_m: Vector,
+    depth_m: f64,
+    approach_m_s: f64,
+    /// Velocity of the part against the shape along the surface.
+    sliding_m_s: Vector,
 }
 
 /// A touch, and the force on the part.
@@ -274,14 +297,13 @@ impl Held {
         );
     }
 
-    /// Its skin is touched by a shape, if they overlap.
-    fn touch(
+    /// How a shape overlaps it, if it does.
+    fn overlap<'a>(
         &self,
         physics: &mut dyn Physics,
         layout: &Layout,
-        toucher: &Toucher,
-        dissipation_s_m: f64,
-    ) -> Option<Felt> {
+        toucher: &'a Toucher,
+    ) -> Option<Overlap<'a>> {
         let nearest = physics.nearest(self.shape, toucher.shape, f64::MIN_POSITIVE)?;
         let depth_m = -nearest.distance_m;
         if depth_m <= 0.0 {
@@ -298,21 +320,45 @@ impl Held {
         let approach_m_s = dot(relative, nearest.normal);
         let substeps = physics.substeps() as f64;
         let ahead_secs = (substeps - 1.0) / (2.0 * substeps) * layout.time_step_secs;
-        let depth_m = (depth_m + ahead_secs * approach_m_s).max(0.0);
-        let normal_newtons =
-            self.skin_n_m * depth_m * (1.0 + dissipation_s_m * approach_m_s).max(0.0);
-        let sliding = subtract(relative, scale(approach_m_s, nearest.normal));
-        let speed_m_s = norm(sliding);
+        Some(Overlap {
+            toucher,
+            normal: nearest.normal,
+            point_m,
+            depth_m: (depth_m + ahead_secs * approach_m_s).max(0.0),
+            approach_m_s,
+            sliding_m_s: subtract(relative, scale(approach_m_s, nearest.normal)),
+        })
+    }
+
+    /// Its skin presses on a shape with a share of its stiffness, and the shape on it.
+    fn press(
+        &self,
+        physics: &mut dyn Physics,
+        layout: &Layout,
+        overlap: &Overlap<'_>,
+        skin_n_m: f64,
+        dissipation_s_m: f64,
+    ) -> Felt {
+        let Overlap {
+            toucher,
+            normal,
+            point_m,
+            depth_m,
+            approach_m_s,
+            sliding_m_s,
+        } = *overlap;
+        let normal_newtons = skin_n_m * depth_m * (1.0 + dissipation_s_m * approach_m_s).max(0.0);
+        let speed_m_s = norm(sliding_m_s);
         let shapes = &layout.shapes;
         let friction = shapes[self.shape]
             .friction
             .min(shapes[toucher.shape].friction);
         let tangential_newtons = friction * normal_newtons * speed_m_s / (speed_m_s + SLIDING_M_S);
         let along = match speed_m_s > 0.0 {
-            true => scale(-tangential_newtons / speed_m_s, sliding),
+            true => scale(-tangential_newtons / speed_m_s, sliding_m_s),
             false => [0.0; 3],
         };
-        let on_part = add(scale(-normal_newtons, nearest.normal), along);
+        let on_part = add(scale(-normal_newtons, normal), along);
         let centre_m = physics.body_pose(self.body).position_m;
         let torque = cross(subtract(point_m, centre_m), on_part);
         push(physics, self.body, on_part, torque);
@@ -321,16 +367,30 @@ impl Held {
         let centre_m = add(pose.position_m, rotate(pose.orientation, toucher.centre_m));
         let torque = cross(subtract(point_m, centre_m), against);
         push(physics, toucher.body, against, torque);
-        Some(Felt {
+        Felt {
             touch: Touch {
                 shapes: [self.shape, toucher.shape],
                 normal_newtons,
                 tangential_newtons,
                 point_m,
-                normal: nearest.normal,
+                normal,
             },
             on_part,
-        })
+        }
+    }
+}
+
+impl Overlap<'_> {
+    /// The share that it has of the part's spring among all that overlap the part.
+    fn share(&self, all: &[Overlap<'_>]) -> f64 {
+        let same_side = all
+            .iter()
+            .map(|it| dot(self.normal, it.normal).max(0.0) * it.depth_m);
+        let depth_m: f64 = same_side.sum();
+        match depth_m > 0.0 {
+            true => self.depth_m / depth_m,
+            false => 1.0,
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 mod actuator;
 mod arms;
 mod body;
+mod capture;
 mod compliance;
 mod drawn;
 mod gripper;
@@ -25,6 +26,7 @@ use toml::Table;
 
 pub use actuator::{ActuatorFault, ActuatorFaultKind};
 pub use body::{Actuator, ActuatorKind, JointGroup, Object, PlaceKeys, Robot};
+pub use capture::{Capture, CaptureAxis, CaptureNames, CaptureUnit};
 pub use compliance::Compliance;
 pub(super) use compliance::{REGIONS, Region as BodyRegion};
 pub(super) use drawn::resolve;

@@ -1,9 +1,7 @@
 //! Grippers and tool changers at work.
 //!
-//! Definition: a parallel gripper's joints follow a width `w` that goes to the commanded one at a limited speed, each at
-//! `closed + (open - closed) w / w_max`. Their servos have their full force at [`FULL_AT`] of the whole way; the force of a joint
-//! is, by virtual work, the commanded grip force times the change of the width with the joint, shared by the `n` joints:
-//! `F w_max / (n |open - closed|)`. An under-actuated gripper's joints have the torques `radius times tension` and springs. A
+//! Definition: a parallel gripper's fingers ([`super::fingers`]) follow a width that goes to the commanded one at a limited speed,
+//! with at most the commanded force. An under-actuated gripper's joints have the torques `radius times tension` and springs. A
 //! suction cup looks along its axis for the nearest loose thing, a tool changer for the nearest tool; what they find is attached
 //! ([`super::attachment`]), as is what `attach = "when-grasped"` holds between two fingers.
 //!
@@ -13,14 +11,10 @@
 use super::attachment::Attachment;
 use super::build::Built;
 use super::data::{Gripper, GripperKind, SceneData};
+use super::fingers::{FOLLOWS_SECS, Finger, driven, fingers_of};
 use super::truth::grasp::grasp;
 use crate::geometry::{Pose, Vector, dot, norm, rotate, scale, subtract};
 use crate::physics::{Layout, Motion, Physics, Touch};
-
-/// The share of the whole way at which a finger's servo has its full force.
-pub(super) const FULL_AT: f64 = 0.02;
-/// How fast a finger that nothing stops follows.
-pub(super) const FOLLOWS_SECS: f64 = 0.02;
 
 /// Something that can be held.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,8 +33,10 @@ pub(super) struct Gripping {
     kind: GripperKind,
     attaches: bool,
     joints: Vec<usize>,
-    /// What tells the width: joints with their positions open and closed, those that follow among them.
-    fingers: Vec<(usize, [f64; 2])>,
+    /// What tells the width, those that follow among them.
+    fingers: Vec<Finger>,
+    /// Those of them that have servos, in the order of the drives.
+    driven: Vec<Finger>,
     /// The body and the frame of the cup or flange; of a gripper with fingers the palm.
     mount: (usize, Pose),
     holdable: Vec<Holdable>,
@@ -61,6 +57,7 @@ impl Gripping {
             .iter()
             .filter_map(|name| added.joints.get(name).copied())
             .collect();
+        let fingers = fingers_of(&gripper.kind, &joints, &built.layout);
         let point = gripper.tool_point();
         let point = data
             .tool_points
@@ -85,8 +82,14 @@ impl Gripping {
             robot,
             robot_name: gripper.robot.clone(),
             attaches: gripper.attaches_when_grasped(),
-            width_m: start_width_m(&gripper.kind, &joints, &built.robots[robot].start),
-            fingers: fingers_of(&gripper.kind, &joints, &built.layout),
+            width_m: start_width_m(
+                &gripper.kind,
+                &fingers,
+                &built.robots[robot].start,
+                &built.layout,
+            ),
+            driven: driven(&fingers, &built.driven_elsewhere(gripper, robot, data)),
+            fingers,
             kind: gripper.kind.clone(),
             joints,
             mount,
@@ -120,8 +123,6 @@ impl Gripping {
     ) {
         match &self.kind {
             GripperKind::Parallel {
-                open,
-                closed,
                 width_m,
                 force_limit_newtons,
                 speed_m_s,
@@ -139,11 +140,10 @@ impl Gripping {
                 self.is_on = wanted_m <= self.width_m;
                 self.width_m += way;
                 let share = (wanted[1] / force_limit_newtons).clamp(0.0, 1.0);
-                for (place, drive) in drives.enumerate() {
-                    let slope = (open[place] - closed[place]) / width_m;
-                    let ahead_m = FOLLOWS_SECS * way / step_secs;
+                let ahead_m = FOLLOWS_SECS * way / step_secs;
+                for (finger, drive) in self.driven.iter().zip(drives) {
                     physics.set_drive_strength(drive, strength * share);
-                    physics.set_drive(drive, closed[place] + slope * (self.width_m + ahead_m));
+                    physics.set_drive(drive, finger.at(self.width_m + ahead_m, *width_m));
                 }
             }
             GripperKind::UnderActuated {
@@ -315,51 +315,28 @@ impl Gripping {
     }
 }
 
-/// The fingers of a parallel gripper: what is driven, and what follows it.
-fn fingers_of(kind: &GripperKind, joints: &[usize], layout: &Layout) -> Vec<(usize, [f64; 2])> {
-    let GripperKind::Parallel { open, closed, .. } = kind else {
-        return Vec::new();
-    };
-    let mut fingers = Vec::new();
-    for ((joint, open), closed) in joints.iter().zip(open).zip(closed) {
-        fingers.push((*joint, [*open, *closed]));
-        let followers = layout.couplings.iter();
-        for follower in followers.filter(|it| it.leader == Some(*joint)) {
-            let at = |lead: f64| {
-                let coefficients = follower.coefficients.iter().rev();
-                coefficients.fold(0.0, |sum, coefficient| sum * lead + coefficient)
-            };
-            fingers.push((follower.joint, [at(*open), at(*closed)]));
-        }
-    }
-    fingers
-}
-
 /// The width at which fingers stand: the mean of what each says.
-fn width_of(fingers: &[(usize, [f64; 2])], width_m: f64, physics: &dyn Physics) -> f64 {
-    let widths = fingers.iter().map(|(joint, [open, closed])| {
-        width_m * (physics.joint(*joint).position - closed) / (open - closed)
-    });
+fn width_of(fingers: &[Finger], widest_m: f64, physics: &dyn Physics) -> f64 {
+    let widths = fingers
+        .iter()
+        .map(|finger| finger.width_m(physics.joint(finger.joint).position, widest_m));
     widths.sum::<f64>() / fingers.len().max(1) as f64
 }
 
 /// The width at which the fingers begin.
-fn start_width_m(kind: &GripperKind, joints: &[usize], start: &[(usize, f64)]) -> f64 {
-    let GripperKind::Parallel {
-        open,
-        closed,
-        width_m,
-        ..
-    } = kind
-    else {
+fn start_width_m(
+    kind: &GripperKind,
+    fingers: &[Finger],
+    start: &[(usize, f64)],
+    layout: &Layout,
+) -> f64 {
+    let (GripperKind::Parallel { width_m, .. }, Some(first)) = (kind, fingers.first()) else {
         return 0.0;
     };
-    let Some((joint, (open, closed))) = joints.iter().zip(open.iter().zip(closed)).next() else {
-        return 0.0;
-    };
-    let given = start.iter().rev().find(|(it, _)| it == joint);
-    let position = given.map_or(0.0, |(_, position)| *position);
-    (width_m * (position - closed) / (open - closed)).clamp(0.0, *width_m)
+    let given = start.iter().rev().find(|(it, _)| *it == first.joint);
+    let otherwise = layout.joints[first.joint].reference;
+    let position = given.map_or(otherwise, |(_, position)| *position);
+    first.width_m(position, *width_m).clamp(0.0, *width_m)
 }
 
 /// Names of what a gripper can hold, with `nothing` first.

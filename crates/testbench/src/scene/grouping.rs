@@ -73,6 +73,14 @@ struct Course {
     rests_until_secs: f64,
 }
 
+/// How a trajectory came to its end.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Ended {
+    pub(super) trajectory: String,
+    /// The waypoint that is out of reach, if there is one, and the distance and the angle that are left to it.
+    pub(super) out_of_reach: Option<(usize, [f64; 2])>,
+}
+
 /// A group in an episode.
 #[derive(Debug, Clone)]
 pub(super) struct Grouping {
@@ -91,6 +99,8 @@ pub(super) struct Grouping {
     course: Option<Course>,
     /// Distance and angle that the last goal was out of reach by.
     left: [f64; 2],
+    /// Whether the last goal or trajectory was not gone to, being out of reach.
+    has_failed: bool,
 }
 
 impl Grouping {
@@ -127,6 +137,7 @@ impl Grouping {
             goal: None,
             course: None,
             left: [0.0; 2],
+            has_failed: false,
         }
     }
 
@@ -198,8 +209,8 @@ impl Grouping {
         true
     }
 
-    /// Brings the reference to `now_secs`; the name of a trajectory that has ended.
-    fn lead(&mut self, physics: &dyn Physics, now_secs: f64) -> Option<String> {
+    /// Brings the reference to `now_secs`; how a trajectory ended, if one did.
+    fn lead(&mut self, physics: &dyn Physics, now_secs: f64) -> Option<Ended> {
         let is_new = self.waiting.is_some() || self.course.as_ref().is_some_and(|it| it.next == 0);
         if let Some(moving) = self.moving.as_mut().filter(|it| is_new && !it.is_braked()) {
             moving.brake(now_secs);
@@ -225,18 +236,45 @@ impl Grouping {
         if now_secs + 1e-9 < course.rests_until_secs {
             return None;
         }
-        let trajectory = &self.trajectories[course.trajectory];
-        let Some(waypoint) = trajectory.waypoints.get(course.next) else {
-            let name = trajectory.name.clone();
-            self.course = None;
-            return Some(name);
-        };
+        let next = course.next;
         course.next += 1;
-        let target = Target::of(waypoint, trajectory, &self.group);
-        if !self.set_out(&target, physics, now_secs) {
+        self.go_on(next, physics, now_secs)
+    }
+
+    /// Sets out for the next waypoint of the trajectory. At the first, from where the group then is, all are tried, so that none
+    /// begins that cannot be gone to its end.
+    fn go_on(&mut self, next: usize, physics: &dyn Physics, now_secs: f64) -> Option<Ended> {
+        let course = self.course.as_ref()?;
+        let trajectory = self.trajectories[course.trajectory].clone();
+        let ended = |out_of_reach: Option<(usize, [f64; 2])>| {
+            let trajectory = trajectory.name.clone();
+            Some(Ended {
+                trajectory,
+                out_of_reach,
+            })
+        };
+        let Some(waypoint) = trajectory.waypoints.get(next) else {
             self.course = None;
+            return ended(None);
+        };
+        let mut failed = None;
+        if next == 0 {
+            let root = self.tool.as_ref().map(|tool| physics.body_pose(tool.root));
+            let others = |joint: usize| Some(physics.joint(joint).position);
+            failed = self.out_of_reach(&trajectory, root.as_ref(), &others);
         }
-        None
+        if failed.is_none() {
+            let target = Target::of(waypoint, &trajectory, &self.group);
+            if self.set_out(&target, physics, now_secs) {
+                return None;
+            }
+            failed = Some((next, self.left));
+        }
+        if let Some((_, left)) = failed {
+            (self.left, self.has_failed) = (left, true);
+        }
+        self.course = None;
+        ended(failed)
     }
 
     /// Sets out for a goal; `false` if it is out of reach.
@@ -246,12 +284,12 @@ impl Grouping {
         let all = |joint: usize| is_own(joint).unwrap_or_else(|| physics.joint(joint).position);
         match self.way(target, root.as_ref(), &|joint| Some(all(joint))) {
             Ok(knots) => {
-                self.left = [0.0; 2];
+                (self.left, self.has_failed) = ([0.0; 2], false);
                 self.moving = self.moving(knots, target, now_secs);
                 true
             }
             Err(left) => {
-                self.left = left;
+                (self.left, self.has_failed) = (left, true);
                 false
             }
         }
@@ -355,14 +393,14 @@ impl Grouping {
         })
     }
 
-    /// Brings the drives on their way for the step that begins now; the name of a trajectory that has ended.
+    /// Brings the drives on their way for the step that begins now; how a trajectory ended, if one did.
     pub(super) fn act(
         &mut self,
         physics: &mut dyn Physics,
         drives: std::ops::Range<usize>,
         wanted: &[f64],
         now_secs: f64,
-    ) -> Option<String> {
+    ) -> Option<Ended> {
         let mut ended = None;
         match (self.group.mode, self.group.profile) {
             (GroupMode::Position | GroupMode::Impedance, None) => {
@@ -446,33 +484,43 @@ impl Grouping {
         }
         row.push(f64::from(u8::from(self.is_moving())));
         row.extend(self.left);
+        row.push(f64::from(u8::from(self.has_failed)));
         row
     }
 
-    /// The first waypoint of its trajectories that cannot be reached from the beginning: its key and what is left.
+    /// The first waypoint of each trajectory that cannot be reached from the beginning: its key and what is left.
     pub(super) fn unreachable(&self, layout: &Layout) -> Vec<(String, [f64; 2])> {
-        let mut found = Vec::new();
-        for trajectory in &self.trajectories {
-            let mut then = self.clone();
-            for (place, waypoint) in trajectory.waypoints.iter().enumerate() {
-                let target = Target::of(waypoint, trajectory, &self.group);
-                let root = then.tool.as_ref().map(|tool| layout.bodies[tool.root].pose);
-                let way = then.way(&target, root.as_ref(), &|joint| then.start_of(joint));
-                match way {
-                    Ok(knots) => {
-                        if let Some(end) = knots.last() {
-                            then.reference.clone_from(end);
-                        }
-                    }
-                    Err(left) => {
-                        let key = format!("trajectory.{}.waypoint.{place}", trajectory.name);
-                        found.push((key, left));
-                        break;
+        let root = self.tool.as_ref().map(|tool| layout.bodies[tool.root].pose);
+        let found = self.trajectories.iter().filter_map(|trajectory| {
+            let (place, left) = self.out_of_reach(trajectory, root.as_ref(), &|_| None)?;
+            let key = format!("trajectory.{}.waypoint.{place}", trajectory.name);
+            Some((key, left))
+        });
+        found.collect()
+    }
+
+    /// The first waypoint of a trajectory that cannot be reached from where the group is, one after another; `others` has the
+    /// positions of the robot's other joints.
+    fn out_of_reach(
+        &self,
+        trajectory: &Trajectory,
+        root: Option<&Pose>,
+        others: &dyn Fn(usize) -> Option<f64>,
+    ) -> Option<(usize, [f64; 2])> {
+        let mut then = self.clone();
+        for (place, waypoint) in trajectory.waypoints.iter().enumerate() {
+            let target = Target::of(waypoint, trajectory, &self.group);
+            let position = |joint: usize| then.start_of(joint).or_else(|| others(joint));
+            match then.way(&target, root, &position) {
+                Ok(knots) => {
+                    if let Some(end) = knots.last() {
+                        then.reference.clone_from(end);
                     }
                 }
+                Err(left) => return Some((place, left)),
             }
         }
-        found
+        None
     }
 }
 

@@ -10,7 +10,7 @@ use super::gaps::{SceneGap, description_gaps};
 use crate::bench::ScenarioError;
 
 /// Gives the bytes of a file by its path relative to the scene's.
-type ReadFile<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
+pub(super) type ReadFile<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
 
 /// Reads the files of all robots and objects, each once, and sees to it that what moves can be moved.
 ///

@@ -51,7 +51,7 @@
 //! | `/truth/PERSON` | `record_hz` | `x`, `y`, `heading`, `speed`, `robot_distance`, `activity`, `reacting`, `distracted`, `arrived`; of one with arms the hands |
 //! | `/sensor/SENSOR` | when a measurement arrives | `measured_at`, `faulty`, and what it measured; a lidar's nearest range, its place and the number of returns, or all with `record_all` |
 //! | `/command/ACTUATOR` | when a command takes effect, and when a fault begins or ends | the commanded values; `faulty` |
-//! | `/group/GROUP` | `record_hz` | for each joint `JOINT.position`, `.velocity` and `.reference`; `moving`; `distance_left` and `angle_left`, by which the last goal was out of reach |
+//! | `/group/GROUP` | `record_hz` | for each joint `JOINT.position`, `.velocity` and `.reference`; `moving`; `distance_left` and `angle_left`, by which the last goal was out of reach; `failed`, whether it was |
 //! | `/gripper/GRIPPER` | `record_hz` | `holding` (a name, or `nothing`), `attached`, `force` by which what is attached is held; of a parallel one its `width` |
 //! | `/controller/CONTROLLER` | each tick | `finished`, `said.MESSAGE` for each message that it may send, and what it reports |
 //! | `/test` | `record_hz` | `actions_done`, `done` |
@@ -66,7 +66,7 @@
 //! `approach`, `follow`), `PERSON.speed_m_s`, `PERSON.distracted`, `PERSON.arms` (`swing`, `reach`,
 //! `carry`, `withdraw`), `SENSOR.fault` (`none`, `stuck`, `silent`) and `ACTUATOR.fault` (`none`, `stuck`, `limp`), and it
 //! commands groups and grippers as a controller would: `GRIPPER.width_m`, `GROUP.JOINT_rad`. A trajectory begins when its name is
-//! sent; `TRAJECTORY.done` can be awaited.
+//! sent; `TRAJECTORY.done` can be awaited, and `TRAJECTORY.failed`, which comes instead where a waypoint is out of reach.
 //!
 //! # Parts that are not simulated
 //!
@@ -88,22 +88,26 @@
 //! * What a gripper attaches (a cup, a tool changer, `attach = "when-grasped"`) is held by a spring and a damper, the same in
 //!   both engines, not by a weld; a parallel gripper's servo has its full force at 2 % of its way.
 //! * Goals of groups are rested at: waypoints are not blended.
-//! * Cameras find markers and measure depth by rays; they have no picture. What a link bears is known to
-//!   MuJoCo alone, so a scene with sensors of it is refused in Rapier.
+//! * Cameras find markers and measure depth by rays; they have no picture. What a link bears follows in Rapier
+//!   from momenta and contacts; of one that is fixed to the world it is known to MuJoCo alone.
 //! * Lights, sound, soft bodies and slopes of the ground are absent.
 
 mod actuating;
 mod attachment;
 mod bench;
 mod build;
+mod capture;
+mod cautions;
 mod compliant;
 mod data;
 mod draws;
 mod drive_errors;
+mod fingers;
 mod gaps;
 mod grip;
 mod gripping;
 mod grouping;
+mod inertia;
 mod load;
 mod materials;
 mod measure;
@@ -121,14 +125,15 @@ mod vision;
 mod walker;
 mod wrench;
 
-pub use bench::{BuildPhysics, SceneBench, StartController, mujoco, rapier};
+pub use bench::{BuildPhysics, Checked, SceneBench, StartController, mujoco, rapier};
+pub use cautions::Caution;
 pub use data::{
     Activity, Actuator, ActuatorFault, ActuatorFaultKind, ActuatorKind, ArmAngles, ArmPose, Attach,
-    Avoidance, Compliance, ConeKind, ControllerData, Fault, FaultKind, Gripper, GripperKind,
-    Ground, Group, GroupMode, GroupWaypoint, Hesitation, JointGroup, Material, MujocoKeys, Object,
-    PerJoint, Person, PersonBody, PlaceKeys, ProfileKind, RapierKeys, Reaction, ReactionKind,
-    Region, Robot, SceneData, Sensor, SensorKind, Simulation, ToolPoint, Trajectory, TruthKeys,
-    Waypoint,
+    Avoidance, Capture, CaptureAxis, CaptureNames, CaptureUnit, Compliance, ConeKind,
+    ControllerData, Fault, FaultKind, Gripper, GripperKind, Ground, Group, GroupMode,
+    GroupWaypoint, Hesitation, JointGroup, Material, MujocoKeys, Object, PerJoint, Person,
+    PersonBody, PlaceKeys, ProfileKind, RapierKeys, Reaction, ReactionKind, Region, Robot,
+    SceneData, Sensor, SensorKind, Simulation, ToolPoint, Trajectory, TruthKeys, Waypoint,
 };
 pub use draws::drawn_number;
 pub use gaps::{SceneGap, description_gaps};

@@ -11,11 +11,15 @@
 //! body with a mass that is held at its place ([`super::compliant`]).
 
 use super::build::BuiltPerson;
+use super::capture::Figure;
 use super::compliant::Compliant;
 use super::data::{Person, PersonBody};
 use super::draws::Draws;
 use super::walker::Walker;
-use crate::geometry::{IDENTITY, Pose, Vector, about, add, compose, from_roll_pitch_yaw, rotate};
+use crate::geometry::{
+    IDENTITY, Pose, Quaternion, Vector, about, add, compose, cross, dot, from_roll_pitch_yaw, norm,
+    rotate, scale, subtract,
+};
 use crate::physics::{BodyPlan, Form, Layout, Motion, ShapePlan, Surface, Touches};
 
 /// A person's surface: skin and clothes.
@@ -41,6 +45,8 @@ pub(super) struct Stance {
     /// Distance walked.
     pub(super) walked_m: f64,
     pub(super) arms: Arms,
+    /// Where the points of the body are, of one who is replayed.
+    pub(super) figure: Option<Figure>,
 }
 
 /// How both arms are.
@@ -201,6 +207,9 @@ fn with_limbs(
 
 /// The poses of the parts, in the world.
 pub(super) fn poses_of(body: PersonBody, height_m: f64, stance: &Stance) -> Vec<Pose> {
+    if let Some(figure) = stance.figure.filter(|_| body.has_arms()) {
+        return poses_of_figure(body, height_m, &figure);
+    }
     let heading = from_roll_pitch_yaw([0.0, 0.0, stance.heading_rad]);
     let foot_m = [stance.x_m, stance.y_m, 0.0];
     limbs_of(body, height_m, stance)
@@ -210,6 +219,79 @@ pub(super) fn poses_of(body: PersonBody, height_m: f64, stance: &Stance) -> Vec<
             orientation: compose(heading, about([0.0, 1.0, 0.0], limb.pitch_rad)),
         })
         .collect()
+}
+
+/// The poses of the parts of one who is replayed: limbs begin at their upper points and lead to their lower ones.
+fn poses_of_figure(body: PersonBody, height_m: f64, figure: &Figure) -> Vec<Pose> {
+    let heading = from_roll_pitch_yaw([0.0, 0.0, figure.heading_rad()]);
+    let [
+        head,
+        left_shoulder,
+        right_shoulder,
+        left_elbow,
+        right_elbow,
+        rest @ ..,
+    ] = figure.points_m;
+    let [
+        left_hand,
+        right_hand,
+        left_hip,
+        right_hip,
+        left_foot,
+        right_foot,
+    ] = rest;
+    let (hips, shoulders) = (figure.hips_m(), figure.shoulders_m());
+    let limb = |from: Vector, to: Vector, below: f64| {
+        let along = direction(subtract(to, from)).unwrap_or([0.0, 0.0, -1.0]);
+        Pose {
+            position_m: add(from, scale(below * height_m, along)),
+            orientation: compose(shortest([0.0, 0.0, -1.0], along), heading),
+        }
+    };
+    let up = direction(subtract(shoulders, hips)).unwrap_or([0.0, 0.0, 1.0]);
+    let trunk = |share: f64| Pose {
+        position_m: add(hips, scale(share, subtract(shoulders, hips))),
+        orientation: compose(shortest([0.0, 0.0, 1.0], up), heading),
+    };
+    let is_compliant = body == PersonBody::Compliant;
+    let mut poses = match is_compliant {
+        true => vec![trunk(0.75), trunk(0.25)],
+        false => vec![trunk(0.5)],
+    };
+    poses.push(Pose {
+        position_m: head,
+        orientation: heading,
+    });
+    poses.push(limb(left_hip, left_foot, 0.265));
+    poses.push(limb(right_hip, right_foot, 0.265));
+    poses.push(limb(left_shoulder, left_elbow, 0.093));
+    poses.push(limb(right_shoulder, right_elbow, 0.093));
+    let fore = match is_compliant {
+        true => vec![FOREARM / 2.0, FOREARM + HAND / 2.0],
+        false => vec![0.127],
+    };
+    for below in fore {
+        poses.push(limb(left_elbow, left_hand, below));
+        poses.push(limb(right_elbow, right_hand, below));
+    }
+    poses
+}
+
+/// A vector of length 1 along another, unless that has no length.
+fn direction(vector: Vector) -> Option<Vector> {
+    let length = norm(vector);
+    (length > 1e-9).then(|| scale(1.0 / length, vector))
+}
+
+/// The shortest turn that takes one direction to another.
+fn shortest(from: Vector, to: Vector) -> Quaternion {
+    let (cosine, [x, y, z]) = (dot(from, to), cross(from, to));
+    if cosine < -1.0 + 1e-12 {
+        return about([1.0, 0.0, 0.0], std::f64::consts::PI);
+    }
+    let w = 1.0 + cosine;
+    let length = (w * w + x * x + y * y + z * z).sqrt();
+    [w / length, x / length, y / length, z / length]
 }
 
 /// Where an articulated person's hands are, in the world: the ends of the forearms.
@@ -308,6 +390,7 @@ mod tests {
             speed_m_s: 1.4,
             walked_m: 0.35,
             arms,
+            figure: None,
         }
     }
 

@@ -263,6 +263,7 @@ fn group_fields(group: &JointGroup) -> Vec<Field> {
     fields.push(Field::bool("moving"));
     fields.push(Field::number("distance_left", "m"));
     fields.push(Field::number("angle_left", "rad"));
+    fields.push(Field::bool("failed"));
     fields
 }
 

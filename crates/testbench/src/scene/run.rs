@@ -29,7 +29,7 @@ use super::sensing::Sensing;
 use super::truth::{Declared, Witness};
 use super::walker::{PersonSeen, RobotSeen, Surroundings, Walker};
 use crate::bench::ScenarioError;
-use crate::bench::{Creep, End, Failure, Recorded, SimError, Watch};
+use crate::bench::{Creep, End, Failure, OutOfReach, Recorded, SimError, Watch};
 use crate::controller::ControllerError;
 use crate::physics::{Physics, Touch};
 
@@ -385,8 +385,16 @@ impl Run {
             }
             actuator.was_faulty = is_faulty;
             let ended = actuator.act(self.physics.as_mut(), now_secs, step_secs);
-            if let Some(trajectory) = ended {
-                self.script.hear(&format!("{trajectory}.done"));
+            if let Some(ended) = ended {
+                let how = match ended.out_of_reach {
+                    None => "done",
+                    Some((waypoint, left)) => {
+                        let failed = OutOfReach::new(&ended.trajectory, waypoint, now_secs, left);
+                        failed.add_to(&mut self.recorder.trace);
+                        "failed"
+                    }
+                };
+                self.script.hear(&format!("{}.{how}", ended.trajectory));
             }
         }
         Ok(())
@@ -544,7 +552,8 @@ pub(super) fn known(
     let people: Vec<String> = data.people.iter().map(|p| p.name.clone()).collect();
     let events = people.iter().map(|name| format!("{name}.arrived"));
     let trajectories = || data.trajectories.iter().map(|it| it.name.clone());
-    let ends = trajectories().map(|name| format!("{name}.done"));
+    let ends =
+        trajectories().flat_map(|name| ["done", "failed"].map(|how| format!("{name}.{how}")));
     let sends = descriptions.iter().flat_map(|d| d.sends.iter().cloned());
     let receives = descriptions.iter().flat_map(|d| d.receives.iter().cloned());
     Known {
@@ -553,6 +562,7 @@ pub(super) fn known(
         fields: data.actuators.iter().map(settable).collect(),
         sensors: data.sensors.iter().map(|s| s.name.clone()).collect(),
         actuators: data.actuators.iter().map(|a| a.name.clone()).collect(),
+        replayed: data.people.iter().map(|p| p.capture.is_some()).collect(),
         people,
     }
 }

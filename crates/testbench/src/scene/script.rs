@@ -33,6 +33,8 @@ pub(super) struct Known {
     pub(super) receivable: BTreeSet<String>,
     /// Names of people, of sensors and of actuators.
     pub(super) people: Vec<String>,
+    /// Which of the people are replayed from recordings.
+    pub(super) replayed: Vec<bool>,
     pub(super) sensors: Vec<String>,
     pub(super) actuators: Vec<String>,
     /// For each actuator the fields that a test may set, with units.
@@ -104,7 +106,18 @@ impl Known {
         let sensor = self.sensors.iter().position(|known| known == name);
         let actuator = self.actuators.iter().position(|known| known == name);
         let wrong = |allowed: &str| Err(format!("it sets `{key}` to {value}; it may be {allowed}"));
+        let is_replayed = person.is_some_and(|it| self.replayed.get(it) == Some(&true));
         match (person, sensor, field, value) {
+            (Some(_), _, field, value)
+                if is_replayed
+                    && !(field == "activity"
+                        && ["walk", "stand"]
+                            .iter()
+                            .any(|it| *value == Setting::Text((*it).to_owned()))) =>
+            {
+                let what = "of somebody who is replayed from a recording; only `activity` can be set, to walk (it goes on) or stand (it rests)";
+                Err(format!("it sets `{key}` to {value}, {what}"))
+            }
             (Some(person), _, "activity", Setting::Text(text)) => {
                 match of_name(&Activity::NAMES, text) {
                     Some(activity) => Ok(Change::Activity(person, activity)),
@@ -318,6 +331,7 @@ mod tests {
             sendable: ["go".to_owned()].into(),
             receivable: ["arrived".to_owned()].into(),
             people: vec!["anna".to_owned()],
+            replayed: vec![false],
             sensors: vec!["lidar".to_owned()],
             actuators: vec!["drive".to_owned(), "hand".to_owned()],
             fields: vec![Vec::new(), vec!["width_m".to_owned()]],

@@ -231,6 +231,7 @@ fn add_relations(layout: &mut Layout, model: &Model, bodies: usize, joints: &[Op
             joint: *joint,
             leader: leader.flatten(),
             coefficients: coupling.coefficients,
+            carries: false,
         });
     }
     for pair in &model.no_contact {

@@ -7,8 +7,8 @@
 //! through the point `c` measures `a . (T - c x F)`, of a slide `a . F`: what drive, friction and damping
 //! of the joint pass on to the link. At rest a flange that carries the mass `m` bears `m g` upwards.
 //!
-//! The numbers are those of the last time step. Only engines that know forces between links have
-//! them ([`Physics::wrench`](crate::physics::Physics::wrench)).
+//! The numbers are those of the last time step. MuJoCo has them of its own, Rapier by that law
+//! ([`Physics::wrench`](crate::physics::Physics::wrench)).
 
 use super::measure::{Mount, Scenery};
 use crate::geometry::{Vector, cross, dot, inverse, rotate, subtract};

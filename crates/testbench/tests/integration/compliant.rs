@@ -114,6 +114,42 @@ fn the_force_of_a_free_impact_is_that_of_two_masses_and_a_spring() {
     });
 }
 
+/// A plate that falls on the head, of one shape or of two that meet where it strikes.
+#[test]
+fn two_shapes_that_strike_from_one_side_meet_one_skin() {
+    let crown_m: f64 = (0.935 + 0.065) * 1.75;
+    let fall_m = 0.1;
+    let piece = |x: f64, wide: f64| {
+        format!(
+            r#"<collision><origin xyz="{x} 0 0"/><geometry><box size="{wide} 0.2 0.02"/></geometry></collision>"#
+        )
+    };
+    let plate = |pieces: String| {
+        format!(
+            r#"<robot name="plate"><link name="plate"><inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>{pieces}</link></robot>"#
+        )
+    };
+    let speed_m_s = (2.0_f64 * 9.81 * fall_m).sqrt();
+    let expected = speed_m_s * (150_000.0_f64 * 4.4 / 5.4).sqrt() + 9.81;
+    let object = format!(
+        "[[object]]\nname = \"plate\"\nfile = \"plate.urdf\"\nz_m = {:?}\n",
+        crown_m + 0.01 + fall_m
+    );
+    let text = anna(0.25, "swing", &object);
+    let read = ["/truth/plate.contact.anna.normal_force"];
+    for pieces in [piece(0.0, 0.2), piece(-0.05, 0.1) + &piece(0.05, 0.1)] {
+        let urdf = plate(pieces);
+        let files = [("plate.urdf", urdf.as_str())];
+        scene(&text, &files).in_each(&read, |engine, trace| {
+            let force = most(trace, read[0]);
+            assert!(
+                (force / expected - 1.0).abs() < 0.05,
+                "{engine}: {force} N, not {expected} N, of {urdf}"
+            );
+        });
+    }
+}
+
 /// A hand between a table and a press bears what the press presses with; without the table it gives way by force over
 /// stiffness.
 #[test]

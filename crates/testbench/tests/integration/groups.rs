@@ -544,3 +544,91 @@ fn waypoints_out_of_reach_are_refused_with_what_is_left_before_anything_runs() {
         "{text}"
     );
 }
+
+const TWO_WAYS: &str = r#"
+    profile = "trapezoid"
+    tool_point = "tip"
+    [[trajectory]]
+    name = "away"
+    group = "joints"
+    waypoint = [{ joints = [0.0, 2.6, 0.9] }]
+    [[trajectory]]
+    name = "fetch"
+    group = "joints"
+    waypoint = [{ x_m = 0.5, y_m = 0.0, z_m = 1.05, line = true }, { joints = [0.1, 0.3, -0.9] }]
+"#;
+
+#[test]
+fn a_trajectory_is_tried_where_it_is_begun_and_says_so_where_it_is_out_of_reach() {
+    // From the beginning the line is in front of the shoulder; from behind it, it leads through the shoulder, nearer than the
+    // elbow's limit of 2.8 rad lets the tip come: 0.136 m.
+    let group = format!("{SERVO}{TWO_WAYS}");
+    let actions = r#"
+        { send_signal = "away" }, { receive_signal = "away.done" },
+        { send_signal = "fetch" }, { receive_signal = "fetch.failed" },
+    "#;
+    let scene = cell(6.0, actions, &group);
+    let scene = Scene::new(&scene, &FILES);
+    scene.in_each(&[], |engine, trace| {
+        assert_eq!(at(trace, "/test.done", 6.0), 1.0, "{engine}");
+        assert_eq!(at(trace, "/group/joints.failed", 0.5), 0.0, "{engine}");
+        assert_eq!(at(trace, "/group/joints.failed", 6.0), 1.0, "{engine}");
+        let left = at(trace, "/group/joints.distance_left", 6.0);
+        assert!(left > 1e-3, "{engine}: {left} m");
+        let stands = at(trace, "/group/joints.shoulder.reference", 6.0);
+        assert_eq!(stands, 2.6, "{engine}");
+        let [missed] = testbench::OutOfReach::of(trace).try_into().expect("one");
+        assert_eq!((missed.trajectory.as_str(), missed.waypoint), ("fetch", 0));
+        assert_eq!(missed.distance_left_m, left, "{engine}");
+    });
+    let checked = scene
+        .bench(testbench::scene::rapier(), &[])
+        .expect("a bench");
+    let told = checked
+        .checked()
+        .iter()
+        .find(|it| it.key == "trajectory.fetch");
+    let told = &told.expect("fetch is told of").what;
+    assert!(
+        told.contains("in reach from where the scene lets `joints` begin"),
+        "{told}"
+    );
+    let forward = r#"{ send_signal = "fetch" }, { receive_signal = "fetch.done" }"#;
+    let scene = cell(4.0, forward, &group);
+    Scene::new(&scene, &FILES).in_each(&[], |engine, trace| {
+        assert_eq!(at(trace, "/test.done", 4.0), 1.0, "{engine}");
+        assert_eq!(at(trace, "/group/joints.failed", 4.0), 0.0, "{engine}");
+        assert!(testbench::OutOfReach::of(trace).is_empty(), "{engine}");
+    });
+}
+
+#[test]
+fn a_later_waypoint_that_is_out_of_reach_is_told_before_the_group_moves() {
+    let group = format!("{SERVO}{TWO_WAYS}").replace(
+        "{ joints = [0.1, 0.3, -0.9] }",
+        "{ joints = [0.0, 2.6, 0.9] }, { x_m = 0.5, y_m = 0.0, z_m = 1.05, line = true }",
+    );
+    // Where the robot begins is drawn, so that nothing is tried beforehand.
+    let drawn = "joints = { shoulder = { uniform = [0.3, 0.3001] }, elbow = -0.9 }";
+    let actions = r#"{ send_signal = "fetch" }, { receive_signal = "fetch.failed" }"#;
+    let text =
+        cell(1.0, actions, &group).replace("joints = { shoulder = 0.3, elbow = -0.9 }", drawn);
+    let scene = Scene::new(&text, &FILES);
+    scene.in_each(&[], |engine, trace| {
+        assert_eq!(at(trace, "/test.done", 1.0), 1.0, "{engine}");
+        let [missed] = testbench::OutOfReach::of(trace).try_into().expect("one");
+        assert_eq!((missed.waypoint, missed.secs), (2, 0.0), "{engine}");
+        assert_eq!(most(trace, "/group/joints.moving"), 0.0, "{engine}");
+    });
+    let bench = scene
+        .bench(testbench::scene::rapier(), &[])
+        .expect("a bench");
+    let told = &bench.checked()[1];
+    assert!(
+        told.key == "trajectory.fetch"
+            && told
+                .what
+                .contains("not tried, since where `arm` begins is drawn"),
+        "{told:?}"
+    );
+}

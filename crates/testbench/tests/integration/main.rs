@@ -1,8 +1,11 @@
 //! All integration tests of the crate in one program, since each program costs a link.
 
+mod capture;
+mod cautions;
 mod common;
 mod compliant;
 mod engines;
+mod fingers;
 mod grippers;
 mod groups;
 mod physics;

@@ -219,6 +219,7 @@ fn a_coupled_joint_follows_and_a_limited_one_stops() {
             joint: 1,
             leader: Some(0),
             coefficients: [0.0, -0.5, 0.0, 0.0, 0.0],
+            carries: false,
         });
         let mut physics = build(&layout);
         physics.set_drive(0, 0.3);
@@ -374,6 +375,7 @@ fn what_the_second_engine_does_not_do_is_refused_with_its_name() {
             joint: 0,
             leader: Some(3),
             coefficients: [0.0, 1.0, 0.0, 0.0, 0.0],
+            carries: false,
         })
     });
     assert!(
@@ -385,6 +387,7 @@ fn what_the_second_engine_does_not_do_is_refused_with_its_name() {
             joint: 1,
             leader: Some(0),
             coefficients: [0.0, 1.0, 2.0, 0.0, 0.0],
+            carries: false,
         })
     });
     assert!(said.contains("not linear"), "{said}");

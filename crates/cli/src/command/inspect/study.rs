@@ -31,6 +31,17 @@ fn of_simulation(output: &mut String, simulation: &SimulationSignals) {
     if let Some(truth) = &simulation.truth {
         of_truth(output, truth);
     }
+    for (title, lines) in [
+        ("Not simulated as it is described:", &simulation.gaps),
+        ("Checked before anything runs:", &simulation.checked),
+    ] {
+        if !lines.is_empty() {
+            let _ = writeln!(output, "\n{title}\n");
+        }
+        for line in lines {
+            let _ = writeln!(output, "  {line}");
+        }
+    }
     output.push('\n');
 }
 

@@ -1,7 +1,7 @@
 //! Runs a campaign: goes on from the journal, runs what is missing, counts, and ends in time.
 
-use super::creeping::CreepTally;
 use super::failing::stopped_by;
+use super::mishaps::Mishaps;
 use super::one::{Bench, Effort, recorder};
 use super::ordered::in_order;
 use super::record::{EpisodeRecord, Journal};
@@ -65,7 +65,7 @@ pub struct Finished {
     /// The first episode that each kind of failure ended.
     pub first_failed: BTreeMap<FailureKind, u64>,
     /// What moved in the fingers that held it.
-    pub crept: CreepTally,
+    pub mishaps: Mishaps,
     /// What came of the stopping rule.
     pub stopped: Option<String>,
     /// The table of all episodes.
@@ -204,7 +204,7 @@ struct Count<'a> {
     new_cpu_secs: f64,
     new_episodes: u64,
     first_failed: BTreeMap<FailureKind, u64>,
-    crept: CreepTally,
+    mishaps: Mishaps,
     began: Instant,
     decided: bool,
 }
@@ -223,7 +223,7 @@ impl<'a> Count<'a> {
             new_cpu_secs: 0.0,
             new_episodes: 0,
             first_failed: BTreeMap::new(),
-            crept: CreepTally::default(),
+            mishaps: Mishaps::default(),
             began: Instant::now(),
             decided: false,
         }
@@ -249,7 +249,7 @@ impl<'a> Count<'a> {
             self.first_failed.entry(kind).or_insert(record.number);
         }
         self.differences.add(&name, &record.forms);
-        self.crept.add(record);
+        self.mishaps.add(record);
         if let Some(secs) = record.simulated_secs {
             *self.cost.simulated_secs.get_or_insert(0.0) += secs;
             if let Some(cpu_secs) = effort.cpu_secs {
@@ -305,7 +305,7 @@ impl<'a> Count<'a> {
             },
             form_differences: self.differences.finish(),
             first_failed: self.first_failed,
-            crept: self.crept,
+            mishaps: self.mishaps,
             cost: self.cost,
             stopped,
             table,

@@ -15,7 +15,7 @@ use rig::processor::used_secs;
 use std::path::Path;
 use study::{Keep, OnFailure};
 use temporal::monitor::Verdict;
-use testbench::Creep;
+use testbench::{Creep, OutOfReach};
 use trace::Trace;
 
 /// How episodes of a rig are run, judged and recorded.
@@ -66,6 +66,7 @@ pub(super) struct Shown {
     main: Vec<Judged>,
     of_forms: Vec<Verdict>,
     crept: Vec<Creep>,
+    out_of_reach: Vec<OutOfReach>,
 }
 
 impl<'a> Bench<'a> {
@@ -115,6 +116,7 @@ impl<'a> Bench<'a> {
             main: vec![unknown; self.monitors.len()],
             of_forms: vec![Verdict::Inconclusive; self.of_forms.monitors().count()],
             crept: Vec::new(),
+            out_of_reach: Vec::new(),
         };
         self.record(number, shown, None)
     }
@@ -145,15 +147,17 @@ impl<'a> Bench<'a> {
             judged: shown.main,
             forms: shown.of_forms,
             crept: shown.crept,
+            out_of_reach: shown.out_of_reach,
         }
     }
 }
 
 impl Shown {
-    /// With what a recording says of held things.
-    pub(super) fn with_crept(self, trace: &Trace) -> Self {
+    /// With what a recording says of held things and of trajectories.
+    pub(super) fn with_mishaps(self, trace: &Trace) -> Self {
         Self {
             crept: Creep::of(trace),
+            out_of_reach: OutOfReach::of(trace),
             ..self
         }
     }
@@ -171,5 +175,6 @@ pub(super) fn shown(
         main: main.iter().map(Judged::of).collect(),
         of_forms: of_forms.iter().map(|it| it.findings.verdict).collect(),
         crept: Vec::new(),
+        out_of_reach: Vec::new(),
     }
 }

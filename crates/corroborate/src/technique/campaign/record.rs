@@ -19,7 +19,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use temporal::monitor::Verdict;
-use testbench::Creep;
+use testbench::{Creep, OutOfReach};
 
 /// An episode that is judged.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +44,9 @@ pub struct EpisodeRecord {
     /// What moved in the fingers that held it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub crept: Vec<Creep>,
+    /// Trajectories that were out of reach.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub out_of_reach: Vec<OutOfReach>,
 }
 
 /// What one monitor says of an episode.
@@ -372,6 +375,7 @@ mod tests {
             }],
             forms: vec![Verdict::NotCovered],
             crept: Vec::new(),
+            out_of_reach: Vec::new(),
         }
     }
 

@@ -38,7 +38,7 @@ impl Recorder for WatchedEpisodes<'_> {
                 &bench.main.judge(&trace)?,
                 &bench.of_forms.judge(&trace)?,
             )
-            .with_crept(&trace);
+            .with_mishaps(&trace);
             let hash = hash_of_recording(&path)?;
             return Ok((bench.record(number, shown, Some(hash)), false));
         }
@@ -70,7 +70,7 @@ impl Recorder for WatchedEpisodes<'_> {
             _ => "incomplete",
         };
         let secs = run.trace.end_secs().unwrap_or(0.0);
-        let shown = shown(end, Some(secs), main, of_forms).with_crept(&run.trace);
+        let shown = shown(end, Some(secs), main, of_forms).with_mishaps(&run.trace);
         let mut record = bench.record(number, shown, None);
         if bench.is_to_be_kept(&record) {
             let bytes = recording::to_mcap(&run.trace)

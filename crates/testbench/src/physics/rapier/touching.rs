@@ -6,7 +6,9 @@ use rapier3d_f64::prelude as r;
 
 use super::build::{Bodies, moves};
 use super::shapes::Shape;
+use super::wrenches::friction_of;
 use super::{World, of_vector, to_pose};
+use crate::geometry::Vector;
 use crate::physics::Touch;
 use crate::physics::layout::{Layout, Touches};
 
@@ -92,7 +94,7 @@ pub(super) fn collect(world: &mut World, step_secs: f64, substeps: usize) {
         let collider = world.colliders.get(handle)?;
         usize::try_from(collider.user_data).ok()
     };
-    let mut touches = Vec::new();
+    let mut touches: Vec<(Touch, Vector)> = Vec::new();
     for pair in world.narrow_phase.contact_pairs() {
         let (Some(a), Some(b)) = (shape_of(pair.collider1), shape_of(pair.collider2)) else {
             continue;
@@ -104,11 +106,11 @@ pub(super) fn collect(world: &mut World, step_secs: f64, substeps: usize) {
         }
     }
     // The order of pairs is that of Rapier's memory; ours does not depend on it.
-    touches.sort_by(|a: &Touch, b: &Touch| {
+    touches.sort_by(|(a, _), (b, _)| {
         let by_shapes = a.shapes.cmp(&b.shapes);
         by_shapes.then(a.normal_newtons.total_cmp(&b.normal_newtons))
     });
-    world.touches = touches;
+    (world.touches, world.frictions) = touches.into_iter().unzip();
 }
 
 /// The points of one manifold. Between rigid bodies it has one friction force for all of them, of
@@ -119,7 +121,7 @@ fn add_manifold(
     first: &r::Pose,
     step_secs: f64,
     substeps: usize,
-    touches: &mut Vec<Touch>,
+    touches: &mut Vec<(Touch, Vector)>,
 ) {
     let points = manifold.points.iter();
     let active: Vec<_> = points
@@ -140,12 +142,14 @@ fn add_manifold(
             (false, true) => common * point.data.impulse / normal,
             (false, false) => 0.0,
         };
-        touches.push(Touch {
+        let touch = Touch {
             shapes,
             normal_newtons: point.data.impulse / step_secs,
             tangential_newtons: tangential / step_secs,
             point_m: of_vector(*first * point.local_p1),
             normal: of_vector(manifold.data.normal),
-        });
+        };
+        let friction = friction_of(&point.data, manifold.data.normal, &touch, step_secs);
+        touches.push((touch, friction));
     }
 }

@@ -161,18 +161,20 @@ impl SceneData {
         }
     }
 
-    /// Fills in what groups and recorded joints have from their robots' descriptions.
+    /// Fills in what groups and recorded joints have from their robots' descriptions, and what people have from recordings.
     ///
     /// # Errors
     /// All joints that a description does not have or that cannot be driven, and limits that nothing gives.
     pub(in crate::scene) fn complete(
         &mut self,
         models: &BTreeMap<String, robot_model::Model>,
+        captures: &crate::scene::capture::Files,
     ) -> Result<(), ScenarioError> {
-        let mut wrong = Vec::new();
+        let mut wrong = crate::scene::capture::complete(self, captures);
         let step_secs = self.simulation.time_step_secs;
         for robot in &mut self.robots {
             let model = models.get(&robot.file);
+            wrong.extend(model.into_iter().flat_map(|it| beyond_limits(robot, it)));
             let slides = |name: &&String| {
                 let joint = model.and_then(|model| Some(&model.joints[model.joint(name)?]));
                 joint.is_some_and(|it| it.kind == robot_model::JointKind::Prismatic)
@@ -211,6 +213,30 @@ impl SceneData {
         }
         ScenarioError::all(wrong)
     }
+}
+
+/// Positions at the beginning that are beyond a joint's limits.
+fn beyond_limits(robot: &super::Robot, model: &robot_model::Model) -> Vec<ScenarioError> {
+    let wrong = robot.joints.iter().filter_map(|(name, begins)| {
+        let joint = &model.joints[model.joint(name)?];
+        let [low, high] = joint.limits?;
+        let [least, most] = begins.support();
+        let slack = 1e-9 * (1.0 + low.abs().max(high.abs()));
+        if least >= low - slack && most <= high + slack {
+            return None;
+        }
+        let at = match least == most {
+            true => format!("is {least}"),
+            false => format!("draws from {least} to {most}"),
+        };
+        let problem = format!(
+            "{at}, and the joint's range in {} is {low} to {high}: beyond it the limit throws the joint back; begin within (a normal distribution can be cut with `low` and `high`)",
+            robot.file
+        );
+        let key = key_of("robot", &robot.name, &format!("joints.{name}"));
+        Some(ScenarioError::value(&key, &problem))
+    });
+    wrong.collect()
 }
 
 /// The joint of a name that can be driven.

@@ -26,7 +26,9 @@ pub struct Gripper {
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum GripperKind {
     /// Fingers that move together: commands `width` (m) and `force` (N), how hard each side presses. Joints that follow others
-    /// in the description (mimic) are not named.
+    /// in the description (mimic) are not named. All are one mechanism, as the drives of real parallel grippers act on one rack or
+    /// screw: the fingers are coupled, whether the description says so or not, share the force, and what is held cannot push one
+    /// of them aside alone. Fingers on hinges press with `force` on the mean over the whole way.
     Parallel {
         /// The joints that are driven.
         joints: Vec<String>,

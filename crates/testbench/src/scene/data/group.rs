@@ -84,7 +84,8 @@ pub enum PerJoint {
 }
 
 /// Waypoints of a group, one after another: a scripted robot without a controller. The test begins it by sending its name
-/// (`send_signal = "NAME"`); `NAME.done` can be awaited.
+/// (`send_signal = "NAME"`); `NAME.done` can be awaited. All waypoints are tried when it is begun, from where the group then is:
+/// where one is out of reach the group stays, and `NAME.failed` comes instead.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trajectory {

@@ -1,12 +1,15 @@
 //! People in a scene's file.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::Deserialize;
 use stimulus::Distribution;
 
 use super::compliance::Compliance;
-use super::{key_of, within, zero};
+use super::{Capture, key_of, within, zero};
 use crate::bench::ScenarioError;
+use crate::scene::capture::Recording;
 
 /// A person: a body that walks where its behaviour says; whatever pushes it, unless it is compliant.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]
@@ -49,10 +52,16 @@ pub struct Person {
     /// What the person does at first; a test can change it.
     #[serde(default)]
     pub activity: Activity,
+    /// A recording of the person's motion, which the activity `walk` replays in place of walking; for bodies with limbs.
+    #[serde(default)]
+    pub capture: Option<Capture>,
+    /// The same as it is replayed, once its file is read.
+    #[serde(skip)]
+    pub(in crate::scene) recording: Option<Arc<Recording>>,
     /// Where the activity `walk` leads, in order.
     #[serde(default, rename = "waypoint")]
     pub waypoints: Vec<Waypoint>,
-    /// Whether the person starts again at the first waypoint after the last.
+    /// Whether the person starts again at the first waypoint after the last, or the recording from its beginning.
     #[serde(default)]
     pub again: bool,
     /// What the person does about a robot that is near.
@@ -334,6 +343,11 @@ impl Person {
             }
             (None, _) => {}
         }
+        if let Some(capture) = &self.capture {
+            let mut wrong = capture.check(&self.name);
+            wrong.extend(self.beside_capture());
+            ScenarioError::all(wrong)?;
+        }
         if let Some(avoidance) = &self.avoidance {
             within(&key("avoidance.people_m"), &avoidance.people_m, 0.0, 10.0)?;
             within(&key("avoidance.robots_m"), &avoidance.robots_m, 0.0, 10.0)?;
@@ -355,5 +369,40 @@ impl Person {
         within(&key("reaction.within_m"), &reaction.within_m, 0.0, 1e3)?;
         within(&key("reaction.delay_secs"), &reaction.delay_secs, 0.0, 60.0)?;
         within(&key("reaction.aside_m"), &reaction.aside_m, 0.0, 10.0)
+    }
+
+    /// What has no meaning for a person who is replayed.
+    fn beside_capture(&self) -> Vec<ScenarioError> {
+        let mut wrong = Vec::new();
+        let mut tell = |field: &str, problem: &str| {
+            wrong.push(ScenarioError::value(
+                &key_of("person", &self.name, field),
+                problem,
+            ));
+        };
+        if !self.body.has_arms() {
+            let problem =
+                "has no limbs to be moved; with `capture` it is \"articulated\" or \"compliant\"";
+            tell("body", problem);
+        }
+        if !matches!(self.activity, Activity::Stand | Activity::Walk) {
+            let problem = "is of people who find their way; with `capture` it is \"walk\" (replayed) or \"stand\"";
+            tell("activity", problem);
+        }
+        for (field, is_given) in [
+            ("waypoint", !self.waypoints.is_empty()),
+            ("reaction", self.reaction.is_some()),
+            ("avoidance", self.avoidance.is_some()),
+            ("group", self.group.is_some()),
+            ("hesitation", self.hesitation.is_some()),
+        ] {
+            if is_given {
+                tell(
+                    field,
+                    "has no meaning with `capture`: the recording is replayed as it is",
+                );
+            }
+        }
+        wrong
     }
 }

@@ -308,7 +308,7 @@ pub(super) const OF_JOINT: [Told<OfJoint>; 5] = [
         OfJoint::Torque,
         "Nm",
         Nowhere,
-        "what is passed on to its link about its axis; of a slide a force, in N; MuJoCo alone",
+        "what is passed on to its link about its axis; of a slide a force, in N",
     ),
     told(
         "limit_distance",
