@@ -140,6 +140,18 @@ impl Attachment {
         sums
     }
 
+    /// What it is pulled with besides its weight: the force on the holder, in the world.
+    pub(super) fn pull_newtons(&self) -> Vector {
+        let mass_kg: f64 = self.bodies.iter().map(|(_, mass_kg, _)| mass_kg).sum();
+        let weight = [0.0, 0.0, mass_kg * self.gravity_m_s2];
+        subtract(weight, self.force_newtons)
+    }
+
+    /// How stiff its spring is.
+    pub(super) fn stiffness_n_m(&self) -> f64 {
+        self.stiffness[0]
+    }
+
     /// The size of the force by which it is held.
     pub(super) fn newtons(&self) -> f64 {
         norm(self.force_newtons)

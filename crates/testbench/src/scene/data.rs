@@ -34,7 +34,7 @@ pub use gripper::{Attach, Gripper, GripperKind};
 pub use group::{Group, GroupMode, GroupWaypoint, PerJoint, ProfileKind, Trajectory};
 pub use person::{
     Activity, ArmAngles, ArmPose, Avoidance, Hesitation, Person, PersonBody, Reaction,
-    ReactionKind, Waypoint,
+    ReactionKind, Takes, Waypoint,
 };
 pub(super) use sensor::key_with_unit;
 pub use sensor::{Fault, FaultKind, Sensor, SensorKind};
@@ -292,6 +292,29 @@ impl SceneData {
         Ok(data)
     }
 
+    /// What a person takes is an object that is loose.
+    fn check_taken(&self, person: &Person) -> Result<(), ScenarioError> {
+        let Some(takes) = &person.takes else {
+            return Ok(());
+        };
+        let key = key_of("person", &person.name, "takes.object");
+        known(
+            &key,
+            &takes.object,
+            self.objects.iter().map(|it| it.name.as_str()),
+        )?;
+        let is_fixed = self.objects.iter().any(|it| {
+            it.name == takes.object && (it.fixed || (it.file.is_none() && it.mass_kg.is_none()))
+        });
+        match is_fixed {
+            true => Err(ScenarioError::value(
+                &key,
+                "is fixed to the world; give it `mass_kg`",
+            )),
+            false => Ok(()),
+        }
+    }
+
     /// The abstract test called `name`.
     #[must_use]
     pub fn abstract_test(&self, name: &str) -> Option<&AbstractTest> {
@@ -314,6 +337,7 @@ impl SceneData {
         found.extend(self.robots.iter().map(Robot::check));
         found.extend(self.objects.iter().map(Object::check));
         found.extend(self.people.iter().map(Person::check));
+        found.extend(self.people.iter().map(|it| self.check_taken(it)));
         for actuator in &self.actuators {
             found.push(self.check_robot("actuator", &actuator.name, &actuator.robot));
             found.push(actuator.check(step_secs));

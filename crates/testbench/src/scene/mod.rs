@@ -48,7 +48,7 @@
 //! | topic | rate | signals |
 //! |---|---|---|
 //! | `/truth/ROBOT` | `record_hz` | `x`, `y`, `z`, `yaw`, `speed`, `turn_rate` of the root; `person_distance` between the surfaces of the robot and the nearest person; `person_force` and `other_force`, the largest sums of contact forces (the ground's aside) since the row before; of recorded joints `JOINT.position` and `.velocity` |
-//! | `/truth/PERSON` | `record_hz` | `x`, `y`, `heading`, `speed`, `robot_distance`, `activity`, `reacting`, `distracted`, `arrived`; of one with arms the hands |
+//! | `/truth/PERSON` | `record_hz` | `x`, `y`, `heading`, `speed`, `robot_distance`, `activity`, `reacting`, `distracted`, `arrived`; of one with arms the hands; of one who takes something `holding` |
 //! | `/sensor/SENSOR` | when a measurement arrives | `measured_at`, `faulty`, and what it measured; a lidar's nearest range, its place and the number of returns, or all with `record_all` |
 //! | `/command/ACTUATOR` | when a command takes effect, and when a fault begins or ends | the commanded values; `faulty` |
 //! | `/group/GROUP` | `record_hz` | for each joint `JOINT.position`, `.velocity` and `.reference`; `moving`; `distance_left` and `angle_left`, by which the last goal was out of reach; `failed`, whether it was |
@@ -62,7 +62,7 @@
 //! # Tests
 //!
 //! `send_signal` sends a message to the controllers that receive it; `receive_signal` waits for a
-//! message of theirs or for `PERSON.arrived`; `set_param` sets `PERSON.activity` (`stand`, `walk`,
+//! message of theirs, for `PERSON.arrived` or `PERSON.took`; `set_param` sets `PERSON.activity` (`stand`, `walk`,
 //! `approach`, `follow`), `PERSON.speed_m_s`, `PERSON.distracted`, `PERSON.arms` (`swing`, `reach`,
 //! `carry`, `withdraw`), `SENSOR.fault` (`none`, `stuck`, `silent`) and `ACTUATOR.fault` (`none`, `stuck`, `limp`), and it
 //! commands groups and grippers as a controller would: `GRIPPER.width_m`, `GROUP.JOINT_rad`. A trajectory begins when its name is
@@ -119,6 +119,7 @@ mod run;
 mod saving;
 mod script;
 mod sensing;
+mod taking;
 mod translate;
 mod truth;
 mod vision;
@@ -133,7 +134,7 @@ pub use data::{
     ControllerData, Fault, FaultKind, Gripper, GripperKind, Ground, Group, GroupMode,
     GroupWaypoint, Hesitation, JointGroup, Material, MujocoKeys, Object, PerJoint, Person,
     PersonBody, PlaceKeys, ProfileKind, RapierKeys, Reaction, ReactionKind, Region, Robot,
-    SceneData, Sensor, SensorKind, Simulation, ToolPoint, Trajectory, TruthKeys, Waypoint,
+    SceneData, Sensor, SensorKind, Simulation, Takes, ToolPoint, Trajectory, TruthKeys, Waypoint,
 };
 pub use draws::drawn_number;
 pub use gaps::{SceneGap, description_gaps};

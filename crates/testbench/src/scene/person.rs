@@ -45,8 +45,19 @@ pub(super) struct Stance {
     /// Distance walked.
     pub(super) walked_m: f64,
     pub(super) arms: Arms,
+    /// Where a hand is that is at something.
+    pub(super) hand: Option<HandAt>,
     /// Where the points of the body are, of one who is replayed.
     pub(super) figure: Option<Figure>,
+}
+
+/// A hand that goes its own way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct HandAt {
+    /// 0 is the left one.
+    pub(super) side: usize,
+    /// Where its end is, in the world, as far as the arm reaches.
+    pub(super) at_m: Vector,
 }
 
 /// How both arms are.
@@ -212,13 +223,75 @@ pub(super) fn poses_of(body: PersonBody, height_m: f64, stance: &Stance) -> Vec<
     }
     let heading = from_roll_pitch_yaw([0.0, 0.0, stance.heading_rad]);
     let foot_m = [stance.x_m, stance.y_m, 0.0];
-    limbs_of(body, height_m, stance)
+    let mut poses: Vec<Pose> = limbs_of(body, height_m, stance)
         .into_iter()
         .map(|limb| Pose {
             position_m: add(foot_m, rotate(heading, limb.centre_m)),
             orientation: compose(heading, about([0.0, 1.0, 0.0], limb.pitch_rad)),
         })
-        .collect()
+        .collect();
+    if let Some(hand) = stance.hand.filter(|_| body == PersonBody::Articulated) {
+        stretch(&mut poses, height_m, stance, hand);
+    }
+    poses
+}
+
+/// Bends an arm so that its hand is somewhere, or as far that way as it reaches; the elbow hangs down.
+fn stretch(poses: &mut [Pose], height_m: f64, stance: &Stance, hand: HandAt) {
+    let heading = from_roll_pitch_yaw([0.0, 0.0, stance.heading_rad]);
+    let shoulder = shoulder_of(height_m, stance, hand.side);
+    let (upper_m, fore_m) = (0.186 * height_m, 0.254 * height_m);
+    let way = subtract(hand.at_m, shoulder);
+    let along = direction(way).unwrap_or([0.0, 0.0, -1.0]);
+    let reach_m = norm(way).clamp(1.01 * (fore_m - upper_m), 0.999 * (fore_m + upper_m));
+    let down = subtract([0.0, 0.0, -1.0], scale(-along[2], along));
+    let down = direction(down).unwrap_or_else(|| rotate(heading, [-1.0, 0.0, 0.0]));
+    let cosine =
+        (upper_m * upper_m + reach_m * reach_m - fore_m * fore_m) / (2.0 * upper_m * reach_m);
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    let bent = add(scale(cosine, along), scale(sine, down));
+    let elbow = add(shoulder, scale(upper_m, bent));
+    let end = add(shoulder, scale(reach_m, along));
+    poses[hand_of(hand.side) - 2] = limb(heading, shoulder, elbow, 0.093 * height_m);
+    poses[hand_of(hand.side)] = limb(heading, elbow, end, 0.127 * height_m);
+}
+
+/// A limb from one joint towards another, its middle so far along.
+fn limb(heading: Quaternion, from: Vector, to: Vector, below_m: f64) -> Pose {
+    let along = direction(subtract(to, from)).unwrap_or([0.0, 0.0, -1.0]);
+    Pose {
+        position_m: add(from, scale(below_m, along)),
+        orientation: compose(shortest([0.0, 0.0, -1.0], along), heading),
+    }
+}
+
+/// Where a shoulder is, in the world; side 0 is the left one.
+pub(super) fn shoulder_of(height_m: f64, stance: &Stance, side: usize) -> Vector {
+    let heading = from_roll_pitch_yaw([0.0, 0.0, stance.heading_rad]);
+    let across = if side == 0 { 0.129 } else { -0.129 };
+    let own = [0.0, across * height_m, 0.8 * height_m];
+    add([stance.x_m, stance.y_m, 0.0], rotate(heading, own))
+}
+
+/// Where the end of a hand is that carries something before the chest.
+pub(super) fn resting_hand(height_m: f64, stance: &Stance, side: usize) -> Vector {
+    let rests = Stance {
+        arms: Arms::held(0.2, 1.4),
+        hand: None,
+        speed_m_s: 0.0,
+        ..*stance
+    };
+    let pose = &poses_of(PersonBody::Articulated, height_m, &rests)[hand_of(side)];
+    let below_m = HAND_BELOW_FOREARM * height_m;
+    add(
+        pose.position_m,
+        rotate(pose.orientation, [0.0, 0.0, -below_m]),
+    )
+}
+
+/// The part of an articulated person that has a hand: the forearm; side 0 is the left one.
+pub(super) fn hand_of(side: usize) -> usize {
+    6 + side
 }
 
 /// The poses of the parts of one who is replayed: limbs begin at their upper points and lead to their lower ones.
@@ -241,13 +314,7 @@ fn poses_of_figure(body: PersonBody, height_m: f64, figure: &Figure) -> Vec<Pose
         right_foot,
     ] = rest;
     let (hips, shoulders) = (figure.hips_m(), figure.shoulders_m());
-    let limb = |from: Vector, to: Vector, below: f64| {
-        let along = direction(subtract(to, from)).unwrap_or([0.0, 0.0, -1.0]);
-        Pose {
-            position_m: add(from, scale(below * height_m, along)),
-            orientation: compose(shortest([0.0, 0.0, -1.0], along), heading),
-        }
-    };
+    let limb = |from: Vector, to: Vector, below: f64| limb(heading, from, to, below * height_m);
     let up = direction(subtract(shoulders, hips)).unwrap_or([0.0, 0.0, 1.0]);
     let trunk = |share: f64| Pose {
         position_m: add(hips, scale(share, subtract(shoulders, hips))),
@@ -390,6 +457,7 @@ mod tests {
             speed_m_s: 1.4,
             walked_m: 0.35,
             arms,
+            hand: None,
             figure: None,
         }
     }

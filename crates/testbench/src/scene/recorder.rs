@@ -3,8 +3,7 @@
 use trace::{Field, Trace, TraceError};
 
 use super::data::{
-    Activity, ActuatorKind, GripperKind, JointGroup, PersonBody, Robot, SceneData, Sensor,
-    SensorKind,
+    Activity, ActuatorKind, GripperKind, JointGroup, Person, Robot, SceneData, Sensor, SensorKind,
 };
 use super::gripping::names_of;
 use super::truth::Block;
@@ -64,7 +63,7 @@ impl Recorder {
         }
         for person in &data.people {
             let topic = format!("/truth/{}", person.name);
-            let mut fields = person_fields(person.body);
+            let mut fields = person_fields(person);
             fields.extend(more(declared, &topic));
             let topic = trace.add_channel(topic, fields)?;
             topics.people.push(topic);
@@ -172,7 +171,7 @@ fn robot_fields(robot: &Robot) -> Vec<Field> {
     fields
 }
 
-fn person_fields(body: PersonBody) -> Vec<Field> {
+fn person_fields(person: &Person) -> Vec<Field> {
     let mut fields = vec![
         world("x", "m"),
         world("y", "m"),
@@ -184,10 +183,13 @@ fn person_fields(body: PersonBody) -> Vec<Field> {
         Field::bool("distracted"),
         Field::bool("arrived"),
     ];
-    if body.has_arms() {
+    if person.body.has_arms() {
         for side in ["left_hand", "right_hand"] {
             fields.extend(["x", "y", "z"].map(|axis| world(&format!("{side}.{axis}"), "m")));
         }
+    }
+    if person.takes.is_some() {
+        fields.push(Field::bool("holding"));
     }
     fields
 }

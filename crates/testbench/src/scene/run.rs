@@ -26,6 +26,7 @@ use super::piloting::Piloting;
 use super::recorder::{Recorder, sensor_row};
 use super::script::{Known, Reach, Script};
 use super::sensing::Sensing;
+use super::taking::Taking;
 use super::truth::{Declared, Witness};
 use super::walker::{PersonSeen, RobotSeen, Surroundings, Walker};
 use crate::bench::ScenarioError;
@@ -43,6 +44,8 @@ pub(super) struct Run {
     built: Built,
     physics: Box<dyn Physics>,
     people: Vec<Walker>,
+    /// Who of them takes something.
+    takings: Vec<Option<Taking>>,
     sensors: Vec<Sensing>,
     actuators: Vec<Actuating>,
     pub(super) pilots: Vec<Piloting>,
@@ -138,6 +141,11 @@ impl Run {
             skin: Vec::new(),
             forces: vec![[0.0; 2]; built.robots.len()],
             arrived: vec![false; people.len()],
+            takings: data
+                .people
+                .iter()
+                .map(|it| Taking::new(it, data, &built, draws))
+                .collect(),
             people,
             sensors,
             actuators,
@@ -311,6 +319,12 @@ impl Run {
                     .hear(&format!("{}.arrived", self.known.people[index]));
             }
         }
+        for (index, taking) in self.takings.iter_mut().enumerate() {
+            if taking.as_mut().is_some_and(Taking::has_taken) {
+                self.script
+                    .hear(&format!("{}.took", self.known.people[index]));
+            }
+        }
         let mut sent = Vec::new();
         let mut reach = Reach {
             people: &mut self.people,
@@ -404,7 +418,19 @@ impl Run {
     fn let_go(&mut self) {
         let people = self.built.people.iter();
         let parts = people.flat_map(|it| it.compliant.iter().flat_map(Compliant::bodies));
-        for body in self.touchers.iter().map(Toucher::body).chain(parts) {
+        let taken = self
+            .takings
+            .iter()
+            .flatten()
+            .filter_map(Taking::pulled)
+            .flatten();
+        for body in self
+            .touchers
+            .iter()
+            .map(Toucher::body)
+            .chain(parts)
+            .chain(taken)
+        {
             self.physics.apply(body, [0.0; 3], [0.0; 3]);
         }
         for gripper in self
@@ -418,6 +444,9 @@ impl Run {
 
     /// Grippers hold what is attached to them.
     fn hold_attached(&mut self) {
+        for taking in self.takings.iter_mut().flatten() {
+            taking.pull(self.physics.as_mut());
+        }
         for gripper in self
             .actuators
             .iter_mut()
@@ -478,6 +507,13 @@ impl Run {
             if let Some(compliant) = &mut body.compliant {
                 let newtons = compliant.pushed_newtons(period_secs);
                 walker.step_back(newtons, compliant.balance_newtons, period_secs);
+            }
+        }
+        let people = self.people.iter_mut().zip(&self.built.people);
+        for ((walker, body), taking) in people.zip(&mut self.takings) {
+            if let Some(taking) = taking {
+                let times = (then_secs, period_secs);
+                taking.update(times, walker, (body, &self.built), self.physics.as_mut());
             }
         }
         self.lead_people(Some(period_secs));
@@ -550,7 +586,9 @@ pub(super) fn known(
     descriptions: &[crate::controller::Description],
 ) -> Known {
     let people: Vec<String> = data.people.iter().map(|p| p.name.clone()).collect();
+    let takers = data.people.iter().filter(|it| it.takes.is_some());
     let events = people.iter().map(|name| format!("{name}.arrived"));
+    let events = events.chain(takers.map(|it| format!("{}.took", it.name)));
     let trajectories = || data.trajectories.iter().map(|it| it.name.clone());
     let ends =
         trajectories().flat_map(|name| ["done", "failed"].map(|how| format!("{name}.{how}")));

@@ -201,6 +201,7 @@ impl Walker {
                 speed_m_s: 0.0,
                 walked_m: 0.0,
                 arms: numbers.arms(person.arms),
+                hand: None,
                 figure: None,
             },
             arms: person.arms,

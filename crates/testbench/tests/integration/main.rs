@@ -18,6 +18,7 @@ mod robot_model;
 mod robots;
 mod scene;
 mod scene_drives;
+mod taking;
 mod truth;
 mod truth_arm;
 mod truth_contact;

@@ -343,7 +343,7 @@ impl Physics for RapierPhysics {
         touches.extend(&self.world.touches);
     }
 
-    /// In reduced coordinates the forces between links do not occur; they follow from momenta ([`wrenches`]). Not known of what
+    /// In reduced coordinates the forces between links do not occur; they follow from momenta (`wrenches.rs`). Not known of what
     /// is fixed to the world.
     fn wrench(&self, body: usize) -> Option<[Vector; 2]> {
         let place = self.borne.iter().position(|it| it.body() == body)?;

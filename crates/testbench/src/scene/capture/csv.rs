@@ -3,14 +3,9 @@
 //! Columns are parted by commas, semicolons or tabs. An empty cell, or one that says `nan`, is a point that was not seen.
 
 use super::{BadFile, Raw};
-use crate::geometry::Vector;
 
 /// Reads a file whose times stand in the column of this name.
 pub(super) fn read(text: &str, time_column: &str) -> Result<Raw, BadFile> {
-    let bad = |line: usize, column: usize, what: String| BadFile {
-        place: format!("{}:{}", line + 1, column + 1),
-        what,
-    };
     let mut lines = text
         .lines()
         .enumerate()
@@ -26,13 +21,7 @@ pub(super) fn read(text: &str, time_column: &str) -> Result<Raw, BadFile> {
         .into_iter()
         .find(|it| head.contains(*it))
         .unwrap_or(',');
-    let cells = |line: &str| -> Vec<String> {
-        let cells = line.split(by);
-        cells
-            .map(|cell| cell.trim().trim_matches('"').to_owned())
-            .collect()
-    };
-    let head = cells(head);
+    let head = cells(head, by);
     let time = head.iter().position(|it| it == time_column).ok_or_else(|| {
         let what = format!(
             "no column `{time_column}` with times in seconds; `time_column` names it, and there are {}",
@@ -40,55 +29,90 @@ pub(super) fn read(text: &str, time_column: &str) -> Result<Raw, BadFile> {
         );
         bad(at, 0, what)
     })?;
-    let points = points_of(&head);
+    let table = Table {
+        by,
+        points: points_of(&head),
+        head,
+        time,
+    };
     let mut raw = Raw {
-        names: points.iter().map(|(name, _)| name.clone()).collect(),
-        places: vec![Vec::new(); points.len()],
+        names: table.points.iter().map(|(name, _)| name.clone()).collect(),
+        places: vec![Vec::new(); table.points.len()],
         ..Raw::default()
     };
     for (line, text) in lines {
-        let row = cells(text);
-        if row.len() != head.len() {
+        table.add(line, text, &mut raw)?;
+    }
+    Ok(raw)
+}
+
+fn bad(line: usize, column: usize, what: String) -> BadFile {
+    BadFile {
+        place: format!("{}:{}", line + 1, column + 1),
+        what,
+    }
+}
+
+fn cells(line: &str, by: char) -> Vec<String> {
+    let cells = line.split(by);
+    cells
+        .map(|cell| cell.trim().trim_matches('"').to_owned())
+        .collect()
+}
+
+/// The columns of a table.
+struct Table {
+    by: char,
+    head: Vec<String>,
+    time: usize,
+    points: Vec<(String, [usize; 3])>,
+}
+
+impl Table {
+    /// Adds a line.
+    fn add(&self, line: usize, text: &str, raw: &mut Raw) -> Result<(), BadFile> {
+        let row = cells(text, self.by);
+        if row.len() != self.head.len() {
             let what = format!(
                 "{} cells where the first line has {}",
                 row.len(),
-                head.len()
+                self.head.len()
             );
             return Err(bad(line, 0, what));
         }
+        let at = |column: usize| column_of(text, self.by, column);
         let number = |column: usize| -> Result<Option<f64>, BadFile> {
             let cell = &row[column];
             if cell.is_empty() || cell.eq_ignore_ascii_case("nan") {
                 return Ok(None);
             }
             let number = cell.parse().ok().filter(|it: &f64| it.is_finite());
-            let what = || format!("`{cell}` in the column `{}` is not a number", head[column]);
+            let name = &self.head[column];
+            let what = || format!("`{cell}` in the column `{name}` is not a number");
             number
                 .map(Some)
-                .ok_or_else(|| bad(line, column_of(text, by, column), what()))
+                .ok_or_else(|| bad(line, at(column), what()))
         };
-        let secs = number(time)?
-            .ok_or_else(|| bad(line, column_of(text, by, time), "no time".to_owned()))?;
+        let secs = number(self.time)?;
+        let secs = secs.ok_or_else(|| bad(line, at(self.time), "no time".to_owned()))?;
         if raw.times_secs.last().is_some_and(|before| secs <= *before) {
             let what = format!("the time {secs} is not after the one before");
-            return Err(bad(line, column_of(text, by, time), what));
+            return Err(bad(line, at(self.time), what));
         }
         raw.times_secs.push(secs);
-        for (kept, (_, columns)) in raw.places.iter_mut().zip(&points) {
-            let mut place: Option<Vector> = Some([0.0; 3]);
-            for (axis, column) in columns.iter().enumerate() {
-                place = match (place, number(*column)?) {
-                    (Some(mut place), Some(number)) => {
-                        place[axis] = number;
-                        Some(place)
-                    }
-                    _ => None,
-                };
-            }
-            kept.push(place);
+        for (kept, (_, columns)) in raw.places.iter_mut().zip(&self.points) {
+            let numbers = [
+                number(columns[0])?,
+                number(columns[1])?,
+                number(columns[2])?,
+            ];
+            kept.push(match numbers {
+                [Some(x), Some(y), Some(z)] => Some([x, y, z]),
+                _ => None,
+            });
         }
+        Ok(())
     }
-    Ok(raw)
 }
 
 /// The points that have all three columns, in the order of their first.

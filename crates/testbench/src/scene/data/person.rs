@@ -52,6 +52,9 @@ pub struct Person {
     /// What the person does at first; a test can change it.
     #[serde(default)]
     pub activity: Activity,
+    /// An object that the person takes when it is offered.
+    #[serde(default)]
+    pub takes: Option<Takes>,
     /// A recording of the person's motion, which the activity `walk` replays in place of walking; for bodies with limbs.
     #[serde(default)]
     pub capture: Option<Capture>,
@@ -93,6 +96,27 @@ pub struct Person {
     /// What they do when they withdraw.
     #[serde(default = "ArmAngles::withdraw")]
     pub withdraw: ArmAngles,
+}
+
+/// An object that a person takes when it is offered: the nearer hand reaches for it, holds it and draws it to the chest, pulling with no
+/// more than its grip. `PERSON.took` is an event for tests, `/truth/PERSON.holding` tells it.
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Takes {
+    /// The object: one that is loose.
+    pub object: String,
+    /// It is offered while it is nearer than this to a shoulder; arms are 0.44 of the height long.
+    #[serde(default = "near")]
+    pub within_m: Distribution,
+    /// How long it is offered before the hand sets out.
+    #[serde(default = "quick")]
+    pub delay_secs: Distribution,
+    /// How fast the hand moves.
+    #[serde(default = "a_step")]
+    pub hand_speed_m_s: Distribution,
+    /// The force with which the hand pulls at most.
+    #[serde(default = "firm")]
+    pub grip_newtons: Distribution,
 }
 
 /// Where the joints of both arms go, with 0 for an arm that hangs straight down.
@@ -284,6 +308,12 @@ fn brisk() -> Distribution {
 fn nimble() -> Distribution {
     Distribution::Constant(3.0)
 }
+fn near() -> Distribution {
+    Distribution::Constant(0.7)
+}
+fn firm() -> Distribution {
+    Distribution::Constant(20.0)
+}
 fn quick() -> Distribution {
     Distribution::Constant(0.4)
 }
@@ -343,6 +373,22 @@ impl Person {
             }
             (None, _) => {}
         }
+        if let Some(takes) = &self.takes {
+            within(&key("takes.within_m"), &takes.within_m, 0.0, 3.0)?;
+            within(&key("takes.delay_secs"), &takes.delay_secs, 0.0, 60.0)?;
+            within(
+                &key("takes.hand_speed_m_s"),
+                &takes.hand_speed_m_s,
+                1e-2,
+                10.0,
+            )?;
+            within(&key("takes.grip_newtons"), &takes.grip_newtons, 0.1, 1e3)?;
+            if self.body != PersonBody::Articulated {
+                let problem =
+                    "needs hands that are led; the person's `body` is then \"articulated\"";
+                return Err(ScenarioError::value(&key("takes"), problem));
+            }
+        }
         if let Some(capture) = &self.capture {
             let mut wrong = capture.check(&self.name);
             wrong.extend(self.beside_capture());
@@ -395,6 +441,7 @@ impl Person {
             ("avoidance", self.avoidance.is_some()),
             ("group", self.group.is_some()),
             ("hesitation", self.hesitation.is_some()),
+            ("takes", self.takes.is_some()),
         ] {
             if is_given {
                 tell(

@@ -196,6 +196,9 @@ impl Run {
             let end = |hand| hand_end(&self.physics.body_pose(hand), body.height_m);
             row.extend(hands.flat_map(end));
         }
+        if let Some(taking) = &self.takings[index] {
+            row.push(flag(taking.holds()));
+        }
         row
     }
 }
