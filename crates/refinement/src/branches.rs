@@ -228,6 +228,9 @@ fn branches(read: &Read<'_>) -> Vec<[Vec<Branch>; 2]> {
     several.map(of_command).collect()
 }
 
+/// A branch that explains what disagrees, with the text without it.
+type Explained = Explaining<(Branch, String)>;
+
 impl Ground<'_> {
     /// Puts the branches that explain what disagrees among the other changes: before those of the same subject in which a number
     /// was solved for, unless one of these weighs more; none that explains less than they do.
@@ -259,7 +262,7 @@ impl Ground<'_> {
             let of_subject = explaining
                 .iter()
                 .filter(|it| it.subjects.first() == Some(&subject) && it.weight >= most - AS_GOOD);
-            let of_subject: Vec<&Explaining<(Branch, String)>> = of_subject.collect();
+            let of_subject: Vec<&Explained> = of_subject.collect();
             let Some(best) = of_subject.iter().map(|it| it.weight).max_by(f64::total_cmp) else {
                 continue;
             };
@@ -278,11 +281,7 @@ impl Ground<'_> {
         &self,
         read: &Read<'_>,
         own: &Evidence,
-        (subject, it, all): (
-            &Subject,
-            &Explaining<(Branch, String)>,
-            &[&Explaining<(Branch, String)>],
-        ),
+        (subject, it, all): (&Subject, &Explained, &[&Explained]),
     ) -> Option<(ModelChange, Changed)> {
         let (branch, text) = &it.change;
         let counts = anchors(self.evidence, own, subject).into_iter().next()?;
