@@ -344,6 +344,11 @@ pub fn contents_by_chance<T: Ord>(first: &[T], second: &[T]) -> (u64, f64) {
     (same as u64, least.exp())
 }
 
+/// Powers of two below this, and scaled weights below that, are taken for larger: what underflows to 0 would be impossible, and
+/// the bound too small. Larger terms give a larger bound.
+const LEAST_EXPONENT: f64 = -1000.0;
+const LEAST_WEIGHT: f64 = 1e-300;
+
 /// The logarithm of Chernoff's bound at `t = 2^tilt`.
 fn ln_tail(frequencies: &[usize], drawn: usize, same: usize, tilt: f64) -> f64 {
     let all: usize = frequencies.iter().sum();
@@ -356,15 +361,17 @@ fn ln_tail(frequencies: &[usize], drawn: usize, same: usize, tilt: f64) -> f64 {
         let term: Vec<f64> = (0..=frequency)
             .map(|x| {
                 let shared = x.min(frequency - x) as f64;
-                binomial_pmf(x as u64, frequency as u64, share) * ((shared - most) * tilt).exp2()
+                let weight = ((shared - most) * tilt).max(LEAST_EXPONENT).exp2();
+                binomial_pmf(x as u64, frequency as u64, share) * weight
             })
             .collect();
         weights = times(&weights, &term, drawn);
         let greatest = weights.iter().copied().fold(0.0, f64::max);
         if greatest <= 0.0 {
-            return f64::NEG_INFINITY;
+            return 0.0;
         }
-        weights.iter_mut().for_each(|weight| *weight /= greatest);
+        let scaled = |weight: &mut f64| *weight = (*weight / greatest).max(LEAST_WEIGHT);
+        weights.iter_mut().for_each(scaled);
         ln_scale += greatest.ln();
     }
     let most: usize = frequencies.iter().map(|frequency| frequency / 2).sum();
@@ -393,6 +400,25 @@ fn times(left: &[f64], right: &[f64], degree: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Rows of one trial each share what they have to share: nothing follows from it, however unlike the tables are.
+    #[test]
+    fn what_must_be_shared_is_shared_by_chance() {
+        for (zeros, rows, ones) in [
+            (12_usize, 20_usize, 18_usize),
+            (20, 20, 18),
+            (15, 75, 60),
+            (40, 400, 396),
+            (5, 9, 1),
+        ] {
+            let first = vec![0; zeros];
+            let mut second = vec![1; ones];
+            second.resize(rows, 0);
+            let (same, chance) = contents_by_chance(&first, &second);
+            assert_eq!(same as usize, zeros.min(rows - ones));
+            assert!(chance > 0.99, "{zeros} {rows} {ones}: {chance:e}");
+        }
+    }
 
     #[test]
     fn counts_again_sum_to_one_over_all_counts_and_are_the_integral_over_the_posterior() {

@@ -188,7 +188,8 @@ impl Statement<'_> {
         let ids = |wanted: Standing| -> Vec<String> {
             let all = self.judged.iter().filter(|it| {
                 let standing = &it.standing;
-                !standing.elsewhere && standing.step == Step::System && standing.standing == wanted
+                let is_here = !standing.elsewhere && standing.step == Step::System;
+                it.decides && is_here && standing.standing == wanted
             });
             all.map(|it| it.standing.evidence.clone()).collect()
         };
