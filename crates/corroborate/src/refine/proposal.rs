@@ -66,7 +66,23 @@ pub struct Effect {
     pub p_value: Option<f64>,
 }
 
+/// Whether a change solves for a number with which a requirement has its counted rate.
+fn is_fitted(change: &ModelChange) -> bool {
+    matches!(
+        change,
+        ModelChange::Solve {
+            subject: Subject::Requirement(_),
+            ..
+        }
+    )
+}
+
 impl Proposal {
+    /// Whether it solves for a model's number with which a requirement has its counted rate.
+    pub(super) fn is_fitted(&self) -> bool {
+        matches!(&self.change, Change::Model { change, .. } if is_fitted(change))
+    }
+
     fn is_exchange(&self) -> bool {
         matches!(self.change, Change::Exchange { .. })
     }

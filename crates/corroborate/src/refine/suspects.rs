@@ -131,7 +131,9 @@ impl Offering<'_> {
                     let left = left.map(|(subject, left)| (subject.clone(), left));
                     let mut new =
                         model_proposal(self.result, asset, &before, (suspect, tried), change);
-                    if let Some((subject, _)) = left.filter(|(_, left)| *left > STRONG) {
+                    // Of several failures each is mended by itself; a number that is fitted to a requirement has to explain all.
+                    let left = left.filter(|(_, left)| *left > STRONG && new.is_fitted());
+                    if let Some((subject, _)) = left {
                         new.needs_decision = true;
                         new.notes.push(format!(
                             "The model still disagrees on {} then: what is wrong may lie elsewhere.",

@@ -3,17 +3,18 @@
 //! # Definition
 //! Looked at is each number in a text that the runs of several techniques are judged by (a parameter, a limit in a predicate or
 //! a formula, a scale) for which a slip was tried. From its present value it is moved by factors of 2, 4, 8 and 32 either way until
-//! the pieces that are read from runs pass the rate of the other pieces; the crossing is enclosed by halving on a logarithmic
+//! the pieces that are read from runs pass the rate of the other pieces, less and plus the deviation of a few runs; both crossings
+//! are enclosed by halving on a logarithmic
 //! scale. People write round numbers: powers of ten, twice and five times these, then numbers of one, two and three digits that
-//! count. Of those within [`AROUND`] of the solution, which of three digits is the nearest alone, the one is taken with which
-//! the pieces agree best for what its choice costs.
+//! count. Of those between the crossings, widened by [`AROUND`], of which of more digits the middle alone, the one is taken with
+//! which the pieces agree best for what its choice costs.
 //!
 //! # Guarantee
 //! None: it has a free value. It pays for the choice among all round values with as many digits within [`DECADES`] decades: the
 //! logarithm of their number. What is named was judged anew on all evidence.
 //!
 //! # Cost
-//! Some fifteen times what an edit costs for each of at most [`MOST_PLACES`] numbers.
+//! Some thirty times what an edit costs for each of at most [`MOST_PLACES`] numbers.
 
 use super::{Context, Diagnosing, FEW_RUNS, TextEdit};
 use crate::technique::matrix::candidates::Reach;
@@ -21,7 +22,7 @@ use diagnostic::Problem;
 use evidence::{Evidence, Rate, Subject};
 
 /// Numbers that are solved for, at most.
-const MOST_PLACES: usize = 10;
+const MOST_PLACES: usize = 6;
 
 /// How far a number is moved, by turns.
 const FACTORS: [f64; 4] = [2.0, 4.0, 8.0, 32.0];
@@ -35,8 +36,8 @@ const DECADES: f64 = 2.0;
 /// Digits that a round number has at most.
 const MOST_DIGITS: i32 = 3;
 
-/// By which factor a round number may differ from the solution: verdicts of runs are alike over a range of values.
-const AROUND: f64 = 1.6;
+/// By which factor a round number may lie beyond the crossings.
+const AROUND: f64 = 1.25;
 
 /// A number in a text, with what stands around it: of `<=8 N` it is `<=`, 8 and ` N`.
 struct Written<'t> {
@@ -88,17 +89,24 @@ impl Diagnosing<'_> {
         for place in places {
             for subject in context.strong {
                 self.setting.go_on()?;
-                let solved = self.crossing(context, (place, subject));
                 // A number with which the study cannot be read is none.
-                if let Some((written, value)) = solved {
-                    let edits = round_values(value).into_iter().map(|(value, choices)| {
-                        let edit = TextEdit {
-                            new: written.with(value, MOST_DIGITS),
-                            hint: None,
-                            ..place.clone()
-                        };
-                        (edit, choices.log10())
-                    });
+                let solved = [-1.0, 1.0].map(|side| self.crossing(context, (place, subject), side));
+                let written = Written::read(&place.old);
+                let values: Vec<f64> = solved.into_iter().flatten().collect();
+                if let (Some(written), [first, .., last] | [first @ last]) =
+                    (written, values.as_slice())
+                {
+                    let edits =
+                        round_values([*first, *last])
+                            .into_iter()
+                            .map(|(value, choices)| {
+                                let edit = TextEdit {
+                                    new: written.with(value, MOST_DIGITS),
+                                    hint: None,
+                                    ..place.clone()
+                                };
+                                (edit, choices.log10())
+                            });
                     found.push(edits.filter(|(it, _)| it.new != it.old).collect());
                     break;
                 }
@@ -107,12 +115,14 @@ impl Diagnosing<'_> {
         Ok(found)
     }
 
-    /// The value with which the pieces that are read from runs have the rate of the others on a subject.
-    fn crossing<'e>(
+    /// The value with which the pieces that are read from runs have the rate of the others on a subject, moved by so many
+    /// deviations of a few runs.
+    fn crossing(
         &self,
         context: &Context<'_>,
-        (place, subject): (&'e TextEdit, &Subject),
-    ) -> Option<(Written<'e>, f64)> {
+        (place, subject): (&TextEdit, &Subject),
+        deviations: f64,
+    ) -> Option<f64> {
         let written = Written::read(&place.old)?;
         let is_run = |piece: &&Evidence| {
             let entry = self.study.entry(&piece.id);
@@ -128,6 +138,8 @@ impl Diagnosing<'_> {
             (!rates.is_empty()).then(|| rates.iter().sum::<f64>() / rates.len() as f64)
         };
         let target = mean(&self.result.evidence, false)?;
+        let deviation = (target * (1.0 - target) / FEW_RUNS as f64).sqrt();
+        let target = target + deviations * deviation;
         let above = |factor: f64| {
             let edit = TextEdit {
                 new: written.with(written.value * factor, MOST_DIGITS + 3),
@@ -161,8 +173,7 @@ impl Diagnosing<'_> {
                             }
                         }
                         let factor = ((near + far) / 2.0).exp();
-                        let value = written.value * factor;
-                        return Some((written, value));
+                        return Some(written.value * factor);
                     }
                 }
             }
@@ -171,25 +182,28 @@ impl Diagnosing<'_> {
     }
 }
 
-/// Round values about one, each with how many as round there are within [`DECADES`] decades.
-fn round_values(value: f64) -> Vec<(f64, f64)> {
-    let size = value.abs();
+/// Round values between two of one sign, each with how many as round there are within [`DECADES`] decades.
+fn round_values(ends: [f64; 2]) -> Vec<(f64, f64)> {
+    let sizes = ends.map(f64::abs);
+    let (low, high) = (sizes[0].min(sizes[1]), sizes[0].max(sizes[1]));
+    let middle = (low * high).sqrt();
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut add = |round: f64, per_decade: f64| {
-        let is_near = round / size <= AROUND && size / round <= AROUND;
+        let is_near = round * AROUND >= low && round <= high * AROUND;
         let is_new = found
             .iter()
             .all(|(it, _)| (it - round).abs() > 1e-9 * round);
         if is_near && is_new {
-            found.push((round.copysign(value), per_decade * DECADES));
+            found.push((round.copysign(ends[0]), per_decade * DECADES));
         }
     };
-    let power = size.log10().floor() as i32;
-    for (digits, per_decade) in [
-        (&[1.0][..], 1.0),
+    let power = middle.log10().floor() as i32;
+    const DIGITS: [(&[f64], f64); 3] = [
+        (&[1.0], 1.0),
         (&[2.0, 5.0], 2.0),
         (&[1.5, 2.5, 3.0, 4.0, 6.0, 7.0, 8.0, 9.0], 9.0),
-    ] {
+    ];
+    for (digits, per_decade) in DIGITS {
         for power in [power, power + 1] {
             for digit in digits {
                 add(digit * 10.0_f64.powi(power), per_decade);
@@ -199,7 +213,7 @@ fn round_values(value: f64) -> Vec<(f64, f64)> {
     for digits in 2..=MOST_DIGITS {
         let scale = 10.0_f64.powi(digits - 1 - power);
         add(
-            (size * scale).round() / scale,
+            (middle * scale).round() / scale,
             9.0 * 10.0_f64.powi(digits - 1),
         );
     }
@@ -220,7 +234,7 @@ mod tests {
 
     #[test]
     fn the_roundest_values_about_one_are_cheapest() {
-        let found = round_values(0.118);
+        let found = round_values([0.113, 0.123]);
         let of = |value: f64| {
             let mut all = found.iter();
             all.find(|(it, _)| (it - value).abs() < 1e-12)
@@ -230,7 +244,7 @@ mod tests {
             (of(0.1), of(0.12), of(0.118), of(0.2)),
             (Some(2.0), Some(180.0), Some(1800.0), None)
         );
-        assert!(round_values(-8.3).iter().any(|(it, _)| *it == -8.0));
+        assert!(round_values([-8.3, -8.1]).iter().any(|(it, _)| *it == -8.0));
     }
 
     #[test]
