@@ -119,9 +119,88 @@ pub(super) fn in_predicate(
         found.extend(others.map(|(new, hint)| (span.clone(), new, hint)));
     }
     found.extend(bare(text, model, &told_bare(study, readers)));
-    let turned = comparisons(text).into_iter();
-    found.extend(turned.map(|(span, turned)| (span, turned.to_owned(), None)));
+    let turned = comparisons(text).into_iter().map(|(span, turned)| {
+        let hint = compared_with(text, span.end).and_then(|number| {
+            let mut all = readers.iter();
+            let by = all.find(|form| {
+                let texts = said_texts(study, &form.subject);
+                texts
+                    .iter()
+                    .any(|text| is_said_of(text, number) == Some(turned.starts_with('<')))
+            })?;
+            let sign = if turned.starts_with('<') {
+                "less"
+            } else {
+                "more"
+            };
+            Some(format!(
+                "the text of {} says {sign} than {number}",
+                by.subject.in_words()
+            ))
+        });
+        (span, turned.to_owned(), hint)
+    });
+    found.extend(turned);
     found
+}
+
+/// The number that stands right behind a comparison.
+fn compared_with(text: &str, end: usize) -> Option<f64> {
+    let rest = text[end..].trim_start();
+    let length = rest.find(|c: char| !(c.is_ascii_digit() || c == '.'));
+    rest[..length.unwrap_or(rest.len())].parse().ok()
+}
+
+/// Words right before a number that say less than it, and more.
+const LESS: [&str; 8] = [
+    "less than",
+    "below",
+    "under",
+    "at most",
+    "up to",
+    "no more than",
+    "not more than",
+    "not above",
+];
+const MORE: [&str; 8] = [
+    "more than",
+    "above",
+    "over",
+    "at least",
+    "beyond",
+    "no less than",
+    "not less than",
+    "not below",
+];
+
+/// Whether a text in words says less than a number, or more; nothing where it says neither right before the number, or both.
+fn is_said_of(text: &str, number: f64) -> Option<bool> {
+    let text = text.to_lowercase();
+    let mut said = BTreeSet::new();
+    for (at, word) in text.match_indices(|c: char| c.is_ascii_digit()) {
+        let is_start = !text[..at].ends_with(|c: char| c.is_ascii_digit() || c == '.');
+        let rest = &text[at..];
+        let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.'));
+        let written = rest[..end.unwrap_or(rest.len())].trim_end_matches('.');
+        if word.is_empty() || !is_start || written.parse() != Ok(number) {
+            continue;
+        }
+        let before = text[..at].trim_end();
+        // The longer phrases contain the shorter ones: "not above" ends with "above".
+        let longest = |phrases: &[&str]| {
+            let all = phrases.iter().filter(|phrase| before.ends_with(*phrase));
+            all.map(|phrase| phrase.len()).max().unwrap_or(0)
+        };
+        match longest(&LESS).cmp(&longest(&MORE)) {
+            std::cmp::Ordering::Greater => said.insert(true),
+            std::cmp::Ordering::Less => said.insert(false),
+            std::cmp::Ordering::Equal => false,
+        };
+    }
+    match said.len() {
+        1 => said.first().copied(),
+        _ => None,
+    }
 }
 
 /// Adds an edit that changes something and is not there yet.
@@ -358,6 +437,20 @@ pub(super) fn is_duration(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_says_on_which_side_of_a_number() {
+        let of = |text: &str| is_said_of(text, 15.0);
+        assert_eq!(of("It is tilted by less than 15 degrees."), Some(true));
+        assert_eq!(
+            of("In at least 90 % it is not above 15 degrees, for 3 s."),
+            Some(true)
+        );
+        assert_eq!(of("It is at least 15 mm high."), Some(false));
+        assert_eq!(of("Above 15, and below 15.0 too."), None);
+        assert_eq!(of("Less than 115, or 15.5, at 15 s."), None);
+        assert_eq!(compared_with("/a.b > 15 deg", 6), Some(15.0));
+    }
 
     #[test]
     fn quantities_of_a_text_are_read_with_their_units() {
