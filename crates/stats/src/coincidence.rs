@@ -409,7 +409,6 @@ mod tests {
             (20, 20, 18),
             (15, 75, 60),
             (40, 400, 396),
-            (5, 9, 1),
         ] {
             let first = vec![0; zeros];
             let mut second = vec![1; ones];

@@ -3,7 +3,7 @@
 //! # Definition
 //! Looked at is each number in a text that the runs of several techniques are judged by (a parameter, a limit in a predicate or
 //! a formula, a scale) for which a slip was tried. From its present value it is moved by factors of 2, 4, 8 and 32 either way until
-//! the pieces that are read from runs pass the rate of the other pieces, less and plus the deviation of a few runs; both crossings
+//! the pieces that are read from runs pass the rate of the other pieces, less and plus [`DEVIATIONS`] of a few runs; both crossings
 //! are enclosed by halving on a logarithmic
 //! scale. People write round numbers: powers of ten, twice and five times these, then numbers of one, two and three digits that
 //! count. Of those between the crossings, widened by [`AROUND`], of which of more digits the middle alone, the one is taken with
@@ -35,6 +35,9 @@ const DECADES: f64 = 2.0;
 
 /// Digits that a round number has at most.
 const MOST_DIGITS: i32 = 3;
+
+/// By how many deviations the rate of a few runs may lie off that of all.
+const DEVIATIONS: f64 = 2.0;
 
 /// By which factor a round number may lie beyond the crossings.
 const AROUND: f64 = 1.25;
@@ -89,8 +92,9 @@ impl Diagnosing<'_> {
         for place in places {
             for subject in context.strong {
                 self.setting.go_on()?;
-                // A number with which the study cannot be read is none.
-                let solved = [-1.0, 1.0].map(|side| self.crossing(context, (place, subject), side));
+                // A number with which the study cannot be read is none; what is never passed has the middle for its end.
+                let solved = [-DEVIATIONS, 0.0, DEVIATIONS]
+                    .map(|side| self.crossing(context, (place, subject), side));
                 let written = Written::read(&place.old);
                 let values: Vec<f64> = solved.into_iter().flatten().collect();
                 if let (Some(written), [first, .., last] | [first @ last]) =
