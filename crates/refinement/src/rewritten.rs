@@ -17,10 +17,12 @@ use evidence::Subject;
 const MOST_OFFERS: usize = 4;
 
 /// Another text of a piece.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Rewritten {
     /// Which kind of change it is: kinds are as likely as each other, and so are the changes of one kind.
     pub kind: u8,
+    /// Decades by which the kind is rarer than a wrong kind of gate.
+    pub rarer: f64,
     /// Where the change is, in bytes of the old text.
     pub place: usize,
     /// What is changed, as a part of the file.
@@ -84,14 +86,17 @@ impl Ground<'_> {
                 counts: anchors(self.evidence, own, first).into_iter().next()?,
                 trial: self.tried(evidence, &before, &it.values),
                 before: before.clone(),
-                rewritten: it.change,
                 subjects: it.subjects,
                 values: it.values,
-                weight: it.weight,
+                weight: it.weight - it.change.rarer,
+                rewritten: it.change,
                 tried: it.tried,
             })
         });
-        offers.take(MOST_OFFERS).collect()
+        let mut offers: Vec<RewrittenOffer> = offers.collect();
+        offers.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        offers.truncate(MOST_OFFERS);
+        offers
     }
 
     /// The weight of a number of a text that was solved for ([`crate::structure`]), as that of [`RewrittenOffer`].

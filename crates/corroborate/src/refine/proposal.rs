@@ -373,6 +373,8 @@ pub fn model_proposal(
         } | ModelChange::Branchless { .. }
     );
     let is_a_guess = !changed.alternatives.is_empty() || (is_fitted && suspect != Some(1));
+    // Which branches there are is decided by who knows the system.
+    let is_structure = matches!(change, ModelChange::Branchless { .. });
     // What is right within the margin, or as far as chance tells, is not to be changed without being looked at.
     let repairs_nothing = tried.repairs.is_empty();
     if repairs_nothing {
@@ -393,7 +395,7 @@ pub fn model_proposal(
         effects: effects(result, before, &changed.values, &mode, counts),
         tried,
         notes,
-        needs_decision: is_harmful || repairs_nothing || is_a_guess,
+        needs_decision: is_harmful || repairs_nothing || is_a_guess || is_structure,
         change: Change::Model {
             entry: entry.clone(),
             change,

@@ -17,6 +17,9 @@ use host::{Events, Host};
 use refinement::{Rewritten, RewrittenOffer, Values, unified};
 use study::{Entry, Study, Work};
 
+/// Decades by which an argument that stands in the wrong gate is rarer than a gate of the wrong kind: it is no slip of a word.
+const RARER: f64 = 2.0;
+
 /// Answers for other texts of a fault tree.
 pub(crate) struct Tree<'a> {
     pub(crate) asked: Asked<'a>,
@@ -65,6 +68,10 @@ pub(crate) fn of_structure(
             kind: match it.kind {
                 RewriteKind::Gate => 0,
                 RewriteKind::Argument => 1,
+            },
+            rarer: match it.kind {
+                RewriteKind::Gate => 0.0,
+                RewriteKind::Argument => RARER,
             },
             place: it.place,
             part: format!("gate `{}`", it.gate),
@@ -144,7 +151,8 @@ fn proposal(
         }),
         tried: offer.trial.clone(),
         notes,
-        needs_decision: is_one_of_several || suspect.rank != 1,
+        // What a tree is made of is decided by who knows the system.
+        needs_decision: true,
         ..super::suspects::of(
             suspect,
             Change::Whole {

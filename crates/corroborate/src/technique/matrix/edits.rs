@@ -151,9 +151,12 @@ impl Diagnosing<'_> {
             telling += u32::from(is_telling);
             found.extend(explains);
         }
-        // What is suggested by nothing is looked for where nothing says a value that explains what disagrees.
+        // What is suggested by nothing is looked for where nothing says a value that explains what disagrees, of numbers of which
+        // no slip explains it.
         if found.iter().all(|it| !it.edit.is_said) {
-            found.extend(self.with_solved(&all, &context)?);
+            let is_open = |place: &TextEdit| !found.iter().any(|it| it.edit.is_of_place(place));
+            let open: Vec<TextEdit> = all.iter().filter(|it| is_open(it)).cloned().collect();
+            found.extend(self.with_solved(&open, &context)?);
         }
         for it in &mut found {
             let hint = match (&it.edit.hint, it.edit.is_said) {
