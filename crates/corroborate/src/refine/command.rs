@@ -17,7 +17,7 @@
 //!
 //! # Cost
 //! For each named number at most [`refinement::MOST_RUNS_OF_A_FIT`] times the entry's episodes, and nothing before the
-//! proposal is accepted, or the search is asked for ([`search`]). A simulator that hangs with a value is given `PATIENCE` times as long as its slowest episode.
+//! proposal is accepted, or the search is asked for (`search`). A simulator that hangs with a value is given `PATIENCE` times as long as its slowest episode.
 
 use super::apply::{Applied, append_to_ledger};
 use super::ledger_text::{Names, NewEntry, SetTo};
