@@ -1,7 +1,7 @@
 //! Other texts of a computed piece that is no formal model, such as a fault tree with one gate changed, tried on all evidence.
 //!
 //! # Definition
-//! Each text is computed. Those that explain what disagrees ([`crate::structure`]) are offered, the best first.
+//! Each text is computed. Those that explain what disagrees (`structure`) are offered, the best first.
 //!
 //! # Cost
 //! One computation of each text.
@@ -99,7 +99,7 @@ impl Ground<'_> {
         offers
     }
 
-    /// The weight of a number of a text that was solved for ([`crate::structure`]), as that of [`RewrittenOffer`].
+    /// The weight of a number of a text that was solved for (`structure`), as that of [`RewrittenOffer`].
     #[must_use]
     pub fn weight_of_value(&self, evidence: &str, before: &Values, after: &Values) -> Option<f64> {
         let mut pieces = self.evidence.iter();
