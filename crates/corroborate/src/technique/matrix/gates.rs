@@ -16,7 +16,7 @@ use crate::refine::proposal::ground;
 use crate::refine::trees::{Tree, of_structure, silent};
 use crate::technique::kinds::Asked;
 use diagnostic::Problem;
-use evidence::{STRONG, Suspect};
+use evidence::{STRONG, Suspect, Symptom};
 use refinement::{NamedOffer, RewrittenOffer, Solver};
 use study::{Entry, Work};
 
@@ -165,6 +165,22 @@ fn point_at_number(suspect: &mut Suspect, text: &str, own: &[&(f64, NamedOffer)]
         first.number.value,
         first.counts.words()
     ));
+    // What it is to be instead can be offered, as it is written for a text.
+    let changed = first.number.set(text, first.value);
+    let (start, end) = (first.number.span.start, first.number.span.end);
+    let behind = text.len() - end;
+    suspect.symptoms.push(Symptom::EditExplains {
+        subject: first.subject.clone(),
+        found: text[start..end].to_owned(),
+        instead: changed[start..changed.len() - behind].to_owned(),
+        pairs: suspect
+            .asset
+            .evidence
+            .iter()
+            .map(|id| [id.clone(), first.counts.evidence.clone()])
+            .collect(),
+        share: 1.0,
+    });
     let file = suspect.asset.file.clone().unwrap_or_default();
     let others = others
         .iter()
