@@ -299,7 +299,7 @@ pub(super) fn search(
         return Ok(None);
     };
     let asked = wanted.clone();
-    let fitting = Fitting::new(study, result, &asked, setting)?;
+    let mut fitting = Fitting::new(study, result, &asked, setting)?;
     let mut best = fitting.best_of_files()?.into_iter();
     let Some(first) = best.next() else {
         return Ok(Some(none_found(&asked)));
@@ -338,7 +338,7 @@ pub fn fit(
     setting: &Host,
 ) -> Result<Applied, Problem> {
     let entry = study.entry(&wanted.entry)?;
-    let fitting = Fitting::new(study, result, wanted, setting)?;
+    let mut fitting = Fitting::new(study, result, wanted, setting)?;
     let found = match &wanted.found {
         Some(found) => Some(found.clone()),
         None => {
@@ -402,7 +402,7 @@ impl<'a> Fitting<'a> {
         };
         let folder = study.folder.join("results").join("fit");
         std::fs::create_dir_all(&folder).map_err(|error| Problem::cannot_write(&folder, &error))?;
-        let mut fitting = Self {
+        Ok(Self {
             study,
             result,
             wanted,
@@ -413,17 +413,15 @@ impl<'a> Fitting<'a> {
             folder,
             limit_secs: command.limit_secs,
             screened: None,
-        };
-        let began = Instant::now();
-        fitting.screened = fitting.run(command, SCREENED.min(entry.work.episodes()))?;
-        let longest = began.elapsed().as_secs_f64();
-        let patient = (PATIENCE * longest).max(LEAST_SECS);
-        fitting.limit_secs = fitting.limit_secs.min(patient);
-        Ok(fitting)
+        })
     }
 
     /// What is best of the first file that has a number which gives the rate.
-    fn best_of_files(&self) -> Result<Vec<Candidate>, Problem> {
+    fn best_of_files(&mut self) -> Result<Vec<Candidate>, Problem> {
+        let began = Instant::now();
+        self.screened = self.run(self.command, SCREENED.min(self.episodes))?;
+        let patient = (PATIENCE * began.elapsed().as_secs_f64()).max(LEAST_SECS);
+        self.limit_secs = self.limit_secs.min(patient);
         for file in &self.wanted.files {
             let text = host::files::read_source(&self.study.folder.join(file))?.text;
             let best = self.best(file, &text)?;

@@ -589,11 +589,7 @@ fn greatest(all: impl Iterator<Item = Option<f64>>) -> Option<Option<f64>> {
 
 /// Whether every value between the ends of a side is one that its model allows.
 fn is_range(belief: &Belief) -> bool {
-    match belief {
-        Belief::Known { is_range, .. } => *is_range,
-        Belief::Range { ends, .. } => ends.is_range,
-        Belief::Counts { .. } | Belief::Distribution { .. } => false,
-    }
+    belief.width_of_range().is_some()
 }
 
 /// A side as ends; counts by their posterior.

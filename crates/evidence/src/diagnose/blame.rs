@@ -90,15 +90,8 @@ impl Matter<'_> {
             .map(|(place, _)| 1_usize << place)
             .sum();
         let is_read = |place: usize| read >> place & 1 == 1;
-        let is_alike = |piece: &Piece<'_>| match piece.rate {
-            Rate::Counted {
-                count,
-                open,
-                trials,
-            } => count + open <= 0.0 || count >= trials,
-            Rate::Computed(_) | Rate::Never => false,
-        };
-        let are_alike = (0..pieces.len()).all(|place| !is_read(place) || is_alike(&pieces[place]));
+        let are_alike =
+            (0..pieces.len()).all(|place| !is_read(place) || pieces[place].rate.has_one_outcome());
         let may_be_misread = read.count_ones() > 1 || read != 0 && are_alike;
         // Of each of the two as it is, and of what each is read through.
         let mut weights: [Vec<f64>; 4] = [const { Vec::new() }; 4];

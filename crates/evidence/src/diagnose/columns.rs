@@ -124,7 +124,7 @@ pub fn exchanged_columns(
         let (now, then) = both.unzip();
         Some(Row {
             subject,
-            is_kept_rarely: share(rate).zip(share(other)).is_some_and(|(a, b)| a < b),
+            is_kept_rarely: rate.share() < other.share(),
             now,
             then,
         })
@@ -146,13 +146,6 @@ pub fn exchanged_columns(
         are_all: are_all || chosen.len() == rows.len(),
         odds,
     })
-}
-
-fn share(rate: Rate) -> Option<f64> {
-    match rate {
-        Rate::Counted { count, trials, .. } => Some(count / trials),
-        Rate::Computed(_) | Rate::Never => None,
-    }
 }
 
 /// A counted rate with kept and violated exchanged.

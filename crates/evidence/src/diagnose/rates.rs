@@ -404,6 +404,10 @@ impl<'a> Matter<'a> {
         });
         let read: Vec<String> = read.map(|it| it.id.clone()).collect();
         let all = read.join(" and ");
+        let (verb, alike) = match read.len() {
+            1 => ("is", format!("All runs of {all} come out alike, and are")),
+            _ => ("are", format!("{all} agree, and are")),
+        };
         let own = self.of_system(piece, against, subject, (left, share));
         Clue {
             inaccuracy: Inaccuracy::RequirementModel,
@@ -416,11 +420,11 @@ impl<'a> Matter<'a> {
                 line: None,
             },
             title: format!(
-                "what {all} are read through may mean something else in {}",
+                "what {all} {verb} read through may mean something else in {}",
                 name_of(subject)
             ),
             explanation: format!(
-                "{} against {}: a conflict on {} with a Bayes factor of 10^{left:.1}. {all} agree, and are read through the same \
+                "{} against {}: a conflict on {} with a Bayes factor of 10^{left:.1}. {alike} read through the same \
                  words and the same monitor: that one of these is wrong has a probability of {share:.2}.",
                 rate_in_words(piece, subject),
                 rate_in_words(against, subject),

@@ -73,6 +73,29 @@ pub enum Rate {
 }
 
 impl Rate {
+    /// The counted share of the trials, or the computed value; none of what never comes.
+    #[must_use]
+    pub fn share(self) -> Option<f64> {
+        match self {
+            Self::Counted { count, trials, .. } => (trials > 0.0).then(|| count / trials),
+            Self::Computed(value) => Some(value),
+            Self::Never => None,
+        }
+    }
+
+    /// Whether it is a count of trials that all came out alike.
+    #[must_use]
+    pub fn has_one_outcome(self) -> bool {
+        match self {
+            Self::Counted {
+                count,
+                open,
+                trials,
+            } => count + open <= 0.0 || count >= trials,
+            Self::Computed(_) | Self::Never => false,
+        }
+    }
+
     /// The rate of a finding, if it has one.
     pub fn of(finding: &Finding) -> Option<Self> {
         let whole = Self::decided(&finding.measure);

@@ -170,11 +170,7 @@ pub(super) fn drop_limits_that_play_no_part(found: &mut Vec<Explained>) {
 /// Whether it is the same in all runs.
 fn is_extreme(rate: Rate) -> bool {
     match rate {
-        Rate::Counted {
-            count,
-            open,
-            trials,
-        } => count + open <= 0.0 || count >= trials,
+        Rate::Counted { .. } => rate.has_one_outcome(),
         Rate::Computed(value) => value <= SAME || value >= 1.0 - SAME,
         Rate::Never => true,
     }

@@ -20,6 +20,7 @@ use super::{Context, Diagnosing, FEW_RUNS, TextEdit};
 use crate::technique::matrix::candidates::Reach;
 use diagnostic::Problem;
 use evidence::{Evidence, Rate, Subject};
+use std::collections::BTreeMap;
 
 /// Numbers that are solved for, at most.
 const MOST_PLACES: usize = 6;
@@ -92,11 +93,8 @@ impl Diagnosing<'_> {
         for place in places {
             for subject in context.strong {
                 self.setting.go_on()?;
-                // A number with which the study cannot be read is none; what is never passed has the middle for its end.
-                let solved = [-DEVIATIONS, 0.0, DEVIATIONS]
-                    .map(|side| self.crossing(context, (place, subject), side));
                 let written = Written::read(&place.old);
-                let values: Vec<f64> = solved.into_iter().flatten().collect();
+                let values = self.values_between(context, (place, subject));
                 if let (Some(written), [first, .., last] | [first @ last]) =
                     (written, values.as_slice())
                 {
@@ -119,15 +117,13 @@ impl Diagnosing<'_> {
         Ok(found)
     }
 
-    /// The value with which the pieces that are read from runs have the rate of the others on a subject, moved by so many
-    /// deviations of a few runs.
-    fn crossing(
+    /// The values with which the pieces that are read from runs have the rate of the others on a subject, and that rate less and
+    /// plus the deviation of a few runs, in this order; a rate that is never passed has none.
+    fn values_between(
         &self,
         context: &Context<'_>,
         (place, subject): (&TextEdit, &Subject),
-        deviations: f64,
-    ) -> Option<f64> {
-        let written = Written::read(&place.old)?;
+    ) -> Vec<f64> {
         let is_run = |piece: &&Evidence| {
             let entry = self.study.entry(&piece.id);
             entry.is_ok_and(|entry| self.runs_of(entry).is_some())
@@ -137,53 +133,73 @@ impl Diagnosing<'_> {
                 .iter()
                 .filter(|it| is_run(it) == of_runs && !it.intermediate);
             let rates: Vec<f64> = pieces
-                .filter_map(|it| share(Rate::on(it, subject)?))
+                .filter_map(|it| Rate::on(it, subject)?.share())
                 .collect();
             (!rates.is_empty()).then(|| rates.iter().sum::<f64>() / rates.len() as f64)
         };
-        let target = mean(&self.result.evidence, false)?;
-        let deviation = (target * (1.0 - target) / FEW_RUNS as f64).sqrt();
-        let target = target + deviations * deviation;
-        let above = |factor: f64| {
-            let edit = TextEdit {
-                new: written.with(written.value * factor, MOST_DIGITS + 3),
-                ..place.clone()
-            };
-            let study = context.scratch.with(&edit).ok()?;
-            let edit = (&edit, context.now);
-            let evidence = self.produced_with(&study, context.scratch, edit, FEW_RUNS);
-            let evidence = evidence.ok()?;
-            Some(mean(&evidence, true)? > target)
+        let written = Written::read(&place.old);
+        let target = mean(&self.result.evidence, false);
+        let start = mean(&self.result.evidence, true);
+        let (Some(written), Some(target), Some(start)) = (written, target, start) else {
+            return Vec::new();
         };
-        let start = mean(&self.result.evidence, true)? > target;
-        let mut ends = [(1.0_f64, true), (1.0, true)];
-        for factor in FACTORS {
-            for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
-                let (near, goes_on) = *end;
-                if !goes_on {
-                    continue;
-                }
-                let far = factor.powf(sign);
-                match above(far) {
-                    None => end.1 = false,
-                    Some(is_above) if is_above == start => end.0 = far,
-                    Some(_) => {
-                        let (mut near, mut far) = (near.ln(), far.ln());
-                        for _ in 0..HALVINGS {
-                            let middle = (near + far) / 2.0;
-                            match above(middle.exp())? == start {
-                                true => near = middle,
-                                false => far = middle,
-                            }
+        // With one factor the runs are judged once, whatever is asked of their rate.
+        let mut known: BTreeMap<u64, Option<f64>> = BTreeMap::new();
+        let mut rate = |factor: f64| {
+            *known.entry(factor.to_bits()).or_insert_with(|| {
+                let edit = TextEdit {
+                    new: written.with(written.value * factor, MOST_DIGITS + 3),
+                    // Of models nothing is asked here.
+                    reach: Reach::Runs,
+                    ..place.clone()
+                };
+                // A number with which the study cannot be read is none.
+                let study = context.scratch.with(&edit).ok()?;
+                let edit = (&edit, context.now);
+                let evidence = self.produced_with(&study, context.scratch, edit, FEW_RUNS);
+                mean(&evidence.ok()?, true)
+            })
+        };
+        let deviation = (target * (1.0 - target) / FEW_RUNS as f64).sqrt();
+        let factors = [-DEVIATIONS, 0.0, DEVIATIONS]
+            .map(|side| crossing(start, target + side * deviation, &mut rate));
+        factors
+            .into_iter()
+            .flatten()
+            .map(|factor| written.value * factor)
+            .collect()
+    }
+}
+
+/// The factor with which a rate, `start` with the factor 1, passes a target.
+fn crossing(start: f64, target: f64, rate: &mut dyn FnMut(f64) -> Option<f64>) -> Option<f64> {
+    let start = start > target;
+    let mut ends = [(1.0_f64, true), (1.0, true)];
+    for factor in FACTORS {
+        for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
+            let (near, goes_on) = *end;
+            if !goes_on {
+                continue;
+            }
+            let far = factor.powf(sign);
+            match rate(far).map(|it| it > target) {
+                None => end.1 = false,
+                Some(is_above) if is_above == start => end.0 = far,
+                Some(_) => {
+                    let (mut near, mut far) = (near.ln(), far.ln());
+                    for _ in 0..HALVINGS {
+                        let middle = (near + far) / 2.0;
+                        match (rate(middle.exp())? > target) == start {
+                            true => near = middle,
+                            false => far = middle,
                         }
-                        let factor = ((near + far) / 2.0).exp();
-                        return Some(written.value * factor);
                     }
+                    return Some(((near + far) / 2.0).exp());
                 }
             }
         }
-        None
     }
+    None
 }
 
 /// Round values between two of one sign, each with how many as round there are within [`DECADES`] decades.
@@ -224,17 +240,9 @@ fn round_values(ends: [f64; 2]) -> Vec<(f64, f64)> {
     found
 }
 
-fn share(rate: Rate) -> Option<f64> {
-    match rate {
-        Rate::Counted { count, trials, .. } => (trials > 0.0).then(|| count / trials),
-        Rate::Computed(value) => Some(value),
-        Rate::Never => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Written, round_values};
+    use super::{Written, crossing, round_values};
 
     #[test]
     fn the_roundest_values_about_one_are_cheapest() {
@@ -249,6 +257,20 @@ mod tests {
             (Some(2.0), Some(180.0), Some(1800.0), None)
         );
         assert!(round_values([-8.3, -8.1]).iter().any(|(it, _)| *it == -8.0));
+    }
+
+    /// A rate that falls as the number grows, and one with values at which nothing can be judged.
+    #[test]
+    fn the_factor_is_enclosed_in_either_direction() {
+        let mut falls = |factor: f64| Some((0.5 / factor).min(1.0));
+        for (target, expected) in [(0.25, 2.0), (0.8, 0.625), (0.05, 10.0)] {
+            let found = crossing(0.5, target, &mut falls).expect("it is passed");
+            assert!((found / expected - 1.0).abs() < 0.02, "{target}: {found}");
+        }
+        let mut never = |_: f64| Some(0.5);
+        assert_eq!(crossing(0.5, 0.9, &mut never), None);
+        let mut refused = |factor: f64| (factor > 1.0).then_some(0.5 / factor);
+        assert_eq!(crossing(0.5, 0.8, &mut refused), None);
     }
 
     #[test]
