@@ -52,9 +52,9 @@ pub trait Oracle {
         None
     }
 
-    /// Whether to go on, which is asked now and then.
-    fn go_on(&self) -> bool {
-        true
+    /// Whether to stop, which is asked now and then.
+    fn is_cancelled(&self) -> bool {
+        false
     }
 }
 
@@ -171,8 +171,8 @@ impl<'a> Evaluator<'a> {
         if let Some((_, known)) = self.readings.iter().find(|(of, _)| *of == wanted) {
             return Ok(known.clone());
         }
-        let go_on = || self.oracle.go_on();
-        let reading = Rc::new(Reading::of(self.model, structure, part, &go_on)?);
+        let cancelled = || self.oracle.is_cancelled();
+        let reading = Rc::new(Reading::of(self.model, structure, part, &cancelled)?);
         self.readings.push((wanted, reading.clone()));
         Ok(reading)
     }

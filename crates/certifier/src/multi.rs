@@ -279,7 +279,7 @@ impl Evaluator<'_> {
             .map(|choices| choices.iter().map(Row::new).collect())
             .collect();
         for step in (0..horizon).rev() {
-            if !self.oracle.go_on() {
+            if self.oracle.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
             let earned = |goal: &Goal, state: usize, choice: usize| match &goal.kind {

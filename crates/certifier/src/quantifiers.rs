@@ -49,13 +49,13 @@ impl Evaluator<'_> {
             Formula::Until(left, right, 0, None) => {
                 if let (Some(left), Some(right)) = (set(left), set(right)) {
                     let step = |state: usize, next| right[state] || (left[state] && next);
-                    return graph.fixpoint(right.clone(), step, &|| self.oracle.go_on());
+                    return graph.fixpoint(right.clone(), step, &|| self.oracle.is_cancelled());
                 }
             }
             Formula::Release(left, right, 0, None) => {
                 if let (Some(left), Some(right)) = (set(left), set(right)) {
                     let step = |state: usize, next| right[state] && (left[state] || next);
-                    return graph.fixpoint(right.clone(), step, &|| self.oracle.go_on());
+                    return graph.fixpoint(right.clone(), step, &|| self.oracle.is_cancelled());
                 }
             }
             _ => {}
@@ -109,7 +109,7 @@ impl Graph {
         &self,
         mut set: Vec<bool>,
         step: impl Fn(usize, bool) -> bool,
-        go_on: &dyn Fn() -> bool,
+        cancelled: &dyn Fn() -> bool,
     ) -> Result<Vec<bool>, Failure> {
         let mut sources = vec![Vec::new(); set.len()];
         for (state, targets) in self.targets.iter().enumerate() {
@@ -125,7 +125,7 @@ impl Graph {
         let mut done = 0u32;
         while let Some(state) = changed.pop() {
             done = done.wrapping_add(1);
-            if done.is_multiple_of(4096) && !go_on() {
+            if done.is_multiple_of(4096) && cancelled() {
                 return Err(Failure::Cancelled);
             }
             for from in &sources[state] {

@@ -92,7 +92,7 @@ impl Reading {
     /// # Errors
     /// If the model is none, or has a construct that is not read here.
     pub fn new(model: &Model, question: &Question) -> Result<Self, Failure> {
-        let mut reading = Self::of(model, question.reward, Part::All, &|| true)?;
+        let mut reading = Self::of(model, question.reward, Part::All, &|| false)?;
         if reading.loses {
             return Err(unsupported("a negative reward"));
         }
@@ -111,14 +111,14 @@ impl Reading {
     /// Reads the states of a model that can be reached, with what each step earns of a reward structure.
     ///
     /// # Errors
-    /// As [`Reading::new`], and [`Failure::Cancelled`] if `go_on`, which is asked now and then, says no.
+    /// As [`Reading::new`], and [`Failure::Cancelled`] if `cancelled`, which is asked now and then, says so.
     pub fn of(
         model: &Model,
         structure: Option<usize>,
         part: Part,
-        go_on: &dyn Fn() -> bool,
+        cancelled: &dyn Fn() -> bool,
     ) -> Result<Self, Failure> {
-        let initial = initial_states(model, go_on)?;
+        let initial = initial_states(model, cancelled)?;
         let process = Process::new(model);
         let mut numbers: FxHashMap<Vec<i64>, usize> = FxHashMap::default();
         for (number, state) in initial.iter().enumerate() {
@@ -142,7 +142,7 @@ impl Reading {
         };
         while reading.choices.len() < reading.states.len() {
             let number = reading.choices.len();
-            if number.is_multiple_of(LOOK) && !go_on() {
+            if number.is_multiple_of(LOOK) && cancelled() {
                 return Err(Failure::Cancelled);
             }
             let state = reading.states[number].clone();
@@ -179,7 +179,7 @@ impl Reading {
 }
 
 /// Where a model starts; those of a predicate in the order of the variables' values.
-fn initial_states(model: &Model, go_on: &dyn Fn() -> bool) -> Result<Vec<Vec<i64>>, Failure> {
+fn initial_states(model: &Model, cancelled: &dyn Fn() -> bool) -> Result<Vec<Vec<i64>>, Failure> {
     let predicate = match &model.init {
         Init::Single(state) => return Ok(vec![state.clone()]),
         Init::Predicate(predicate) => predicate,
@@ -195,7 +195,7 @@ fn initial_states(model: &Model, go_on: &dyn Fn() -> bool) -> Result<Vec<Vec<i64
     let mut found = Vec::new();
     let mut state: Vec<i64> = bounds.iter().map(|(low, _)| *low).collect();
     for candidate in 0usize.. {
-        if candidate.is_multiple_of(LOOK) && !go_on() {
+        if candidate.is_multiple_of(LOOK) && cancelled() {
             return Err(Failure::Cancelled);
         }
         if predicate.eval_bool(&state)? {

@@ -55,7 +55,7 @@ impl Rows {
         }
     }
 
-    /// Values so many steps earlier; states that are not active keep theirs. Before each step `go_on` is asked.
+    /// Values so many steps earlier; states that are not active keep theirs. Before each step `cancelled` is asked.
     pub fn back(
         &self,
         mut values: Vec<Interval>,
@@ -63,10 +63,10 @@ impl Rows {
         maximise: bool,
         active: &dyn Fn(usize) -> bool,
         with_rewards: bool,
-        go_on: &dyn Fn() -> bool,
+        cancelled: &dyn Fn() -> bool,
     ) -> Result<Vec<Interval>, Failure> {
         for step in 0..steps {
-            if !go_on() {
+            if cancelled() {
                 return Err(Failure::Cancelled);
             }
             if step.saturating_mul(self.entries) > MOST_WORK {

@@ -105,7 +105,9 @@ impl Evaluator<'_> {
                 };
                 let x = right.iter().map(number).collect();
                 let is_open = |s: usize| left[s] && !right[s];
-                after(chain, &is_open, x, None, &time, &|| self.oracle.go_on())?
+                after(chain, &is_open, x, None, &time, &|| {
+                    self.oracle.is_cancelled()
+                })?
             }
         };
         if !begin.is_zero() {
@@ -116,7 +118,7 @@ impl Evaluator<'_> {
             }
             let is_open = |s: usize| left[s];
             values = after(chain, &is_open, values, None, &begin, &|| {
-                self.oracle.go_on()
+                self.oracle.is_cancelled()
             })?;
         }
         let probability = |value: &Interval| {
@@ -135,7 +137,7 @@ impl Evaluator<'_> {
     ) -> Result<Vec<Interval>, Failure> {
         let chain = (&reading.choices[..], &reading.rate[..]);
         after(chain, &|_| true, start, None, &exact(time)?, &|| {
-            self.oracle.go_on()
+            self.oracle.is_cancelled()
         })
     }
 
@@ -151,14 +153,14 @@ impl Evaluator<'_> {
         let start = vec![Interval::ZERO; reading.states.len()];
         let chain = (&reading.choices[..], &reading.rate[..]);
         after(chain, &|_| true, start, Some(rates), &exact(time)?, &|| {
-            self.oracle.go_on()
+            self.oracle.is_cancelled()
         })
     }
 }
 
 fn exact(time: &Number) -> Result<Rational, Failure> {
     let exact = time.exact().cloned();
-    exact.ok_or_else(|| unsupported("a time that is no rational number"))
+    exact.ok_or_else(|| unsupported("a time that is not a rational number"))
 }
 
 /// The expectation of `x` after a time in a chain (of each state the only choice, and the rate of its steps), and of what is
@@ -169,7 +171,7 @@ pub(crate) fn after(
     mut x: Vec<Interval>,
     rates: Option<Vec<Interval>>,
     time: &Rational,
-    go_on: &dyn Fn() -> bool,
+    cancelled: &dyn Fn() -> bool,
 ) -> Result<Vec<Interval>, Failure> {
     if *time <= Rational::zero() {
         return Ok(x);
@@ -215,7 +217,7 @@ pub(crate) fn after(
     let piece = Interval::of(&(&fastest * time / number));
     let fastest = Interval::of(&fastest);
     for _ in 0..pieces as u64 {
-        x = one_piece(&rows, &x, rates.as_deref(), &piece, &fastest, go_on)?;
+        x = one_piece(&rows, &x, rates.as_deref(), &piece, &fastest, cancelled)?;
         for (x, kept) in x.iter_mut().zip(&kept) {
             *x = kept.unwrap_or(*x);
         }
@@ -257,10 +259,10 @@ fn one_piece(
     rates: Option<&[Interval]>,
     piece: &Interval,
     fastest: &Interval,
-    go_on: &dyn Fn() -> bool,
+    cancelled: &dyn Fn() -> bool,
 ) -> Result<Vec<Interval>, Failure> {
     let most = |of: &[Interval]| of.iter().map(|x| x.high).fold(0.0, f64::max);
-    let back = |x: Vec<Interval>| rows.back(x, 1, true, &|_| true, false, go_on);
+    let back = |x: Vec<Interval>| rows.back(x, 1, true, &|_| true, false, cancelled);
     let mut weight = vanishing_exponential(piece);
     let mut sum = weight;
     let (mut x, most_x) = (x.to_vec(), most(x));

@@ -158,14 +158,14 @@ impl Followed<'_> {
         &mut self,
         number: usize,
         mut segment: Segment,
-        go_on: &dyn Fn() -> bool,
+        cancelled: &dyn Fn() -> bool,
     ) -> Result<Segment, Failure> {
         while segment.choices.len() < segment.places.len() {
             let from = segment.choices.len();
             if segment.places.len() > MOST_STATES {
                 return Err(unsupported("so many bounds in time in so large a model"));
             }
-            if from.is_multiple_of(1024) && !go_on() {
+            if from.is_multiple_of(1024) && cancelled() {
                 return Err(Failure::Cancelled);
             }
             let (outcomes, rate) = match segment.places[from].clone() {
@@ -260,7 +260,7 @@ impl Evaluator<'_> {
             parts,
             times,
         };
-        let go_on = || self.oracle.go_on();
+        let cancelled = || self.oracle.is_cancelled();
         let mut segment = Segment::default();
         let mut start = Vec::with_capacity(reading.states.len());
         for state in 0..reading.states.len() {
@@ -269,7 +269,7 @@ impl Evaluator<'_> {
             let open = vec![None; followed.parts.windows.len()];
             start.push(segment.enter(followed.judged(0, state, open, machines)));
         }
-        let mut segments = vec![followed.explored(0, segment, &go_on)?];
+        let mut segments = vec![followed.explored(0, segment, &cancelled)?];
         // Where each place of a segment enters the next one.
         let mut entered: Vec<Vec<usize>> = Vec::new();
         for number in 1..followed.times.len() {
@@ -287,7 +287,7 @@ impl Evaluator<'_> {
                 next.enter(place)
             });
             entered.push(each.collect());
-            segments.push(followed.explored(number, next, &go_on)?);
+            segments.push(followed.explored(number, next, &cancelled)?);
         }
         let Some(last) = segments.last() else {
             return Err(unsupported("a formula without bounds in time"));
@@ -306,7 +306,7 @@ impl Evaluator<'_> {
                 x,
                 None,
                 &time,
-                &|| self.oracle.go_on(),
+                &|| self.oracle.is_cancelled(),
             )?;
         }
         let probability = |place: &usize| values[*place].at_least(0.0).at_most(1.0);

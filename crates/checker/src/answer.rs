@@ -3,6 +3,7 @@
 use std::fmt;
 
 use prism_lang::Rational;
+pub use stats::Guarantee;
 use temporal::automaton::AutomatonError;
 
 use crate::method::{Method, Termination};
@@ -140,45 +141,6 @@ pub enum AnswerValue {
     Truth(bool),
     /// The corners of what two objectives can reach together, in the order of the first.
     Corners(Vec<Vec<Rational>>),
-}
-
-/// What is known of a value.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Guarantee {
-    /// It is exact.
-    Exact,
-    /// The exact value lies between these, both included.
-    Bounded {
-        /// Lower bound.
-        low: f64,
-        /// Upper bound.
-        high: f64,
-    },
-    /// The exact value lies between these with this confidence.
-    Statistical {
-        /// Probability with which such intervals contain the exact value.
-        confidence: f64,
-        /// Lower end.
-        low: f64,
-        /// Upper end.
-        high: f64,
-    },
-    /// Nothing is known for certain.
-    Estimated {
-        /// Why not.
-        reason: String,
-    },
-}
-
-impl Guarantee {
-    /// The bounds between which the value lies, if it is bounded; what is exact, statistical or estimated has none.
-    #[must_use]
-    pub fn bounds(&self) -> Option<(f64, f64)> {
-        match self {
-            Guarantee::Bounded { low, high } => Some((*low, *high)),
-            Guarantee::Exact | Guarantee::Statistical { .. } | Guarantee::Estimated { .. } => None,
-        }
-    }
 }
 
 /// The value in one initial state.
@@ -339,7 +301,7 @@ impl fmt::Display for CheckError {
             ),
             Self::Undecided { comparison, bounds, .. } => write!(
                 formatter,
-                "whether the value is {comparison} cannot be told: it lies between {} and {}; \
+                "whether the value is {comparison} is undecided: it lies between {} and {}; \
                  use the exact method",
                 bounds.low, bounds.high
             ),

@@ -167,7 +167,7 @@ fn exact_space(
 ) -> Result<StateSpace<Rational>, CheckError> {
     let go_on = |_| !options.is_cancelled();
     let symmetry = match space.represented {
-        Some(_) => Symmetry::of(model, [property]),
+        Some(_) => Symmetry::of_while(model, [property], &|| !options.is_cancelled()),
         None => Symmetry::default(),
     };
     let limits = ExploreOptions {

@@ -9,18 +9,23 @@
 //! *Method.* Candidates come from matching two modules command by command, as modules that were made by renaming do
 //! (`guess.rs`); where the model has such a symmetry but a property notices, a second pair of modules is exchanged
 //! with the first. Each candidate is verified on all commands: expressions are brought into a normal form in which operands of
-//! commutative operators are sorted, and compared as a whole (`terms.rs`); nothing is assumed of how a candidate was
-//! found. The symmetries found are put together to classes (`Class`): blocks of variables that may be exchanged in any way, of
+//! commutative operators are sorted, and compared as a whole (`terms.rs`), where they mention what a candidate moves
+//! (`pieces.rs`); nothing is assumed of how it was found. The symmetries found are put together to classes (`Class`): blocks of variables that may be exchanged in any way, of
 //! which the sorted order is the representative, and powers of one permutation, as in a ring, of which the least image is.
 //!
 //! *Source.* Kwiatkowska, Norman and Parker 2006, "Symmetry reduction for probabilistic model checking". Deviation: the
 //! symmetries are found, not declared; not all of them are.
+//!
+//! *Cost.* For each of n modules, what mentions the variables and actions that a candidate moves, and tables of a word for
+//! each variable, action and module: n modules of one kind take n candidates. Parts that are brought into a normal form are
+//! counted, and the search ends after `MOST_PARTS` of them, or when it is asked to, with the symmetries that it has.
 //!
 //! *Guarantee.* Only verified permutations are used, so that every value is that of the whole model; a representative that
 //! is not unique would cost states, not correctness. Not for fair schedulers, nor where states are listed or counted
 //! (filters): then no symmetry is used.
 
 mod guess;
+mod pieces;
 mod terms;
 
 use std::collections::BTreeSet;
@@ -28,11 +33,14 @@ use std::collections::BTreeSet;
 use prism_lang::resolved::{Init, Model};
 use prism_lang::{Expr, Property, VarIndex};
 
-use guess::{Guess, Permutation};
-use terms::{Term, Terms};
+use guess::{Guess, Owned, Permutation};
+use pieces::{Piece, Pieces};
+use terms::Terms;
 
 /// Candidates that may fail before the search ends.
 const MOST_FAILURES: usize = 200;
+/// Parts of expressions of candidates that may be brought into a normal form before the search ends: seconds.
+const MOST_PARTS: u64 = 20_000_000;
 /// The longest order of a permutation whose powers are used.
 const LONGEST_ORDER: usize = 64;
 
@@ -66,13 +74,24 @@ impl Symmetry {
     /// assert!(Symmetry::of(&model, [&asked[1].property]).is_none());
     /// ```
     pub fn of<'p>(model: &Model, properties: impl IntoIterator<Item = &'p Property>) -> Self {
+        Self::of_while(model, properties, &|| true)
+    }
+
+    /// Like [`Symmetry::of`]; when the function returns false, the symmetries found so far.
+    pub fn of_while<'p>(
+        model: &Model,
+        properties: impl IntoIterator<Item = &'p Property>,
+        go_on: &dyn Fn() -> bool,
+    ) -> Self {
         let Some(asked) = Asked::of(model, properties) else {
             return Self::default();
         };
         if model.composition.is_some() {
             return Self::default();
         }
-        let mut search = Search::new(model, asked);
+        let Some(mut search) = Search::new(model, &asked, go_on) else {
+            return Self::default();
+        };
         let found = search.generators();
         Self {
             classes: classes(&found, model.variables.len()),
@@ -120,34 +139,70 @@ impl<'m> Asked<'m> {
     }
 }
 
-/// A symmetry, and the two modules that were matched first.
+/// A symmetry of variables, and the two modules that were matched first.
 struct Generator {
     seed: (usize, usize),
-    permutation: Permutation,
+    /// The variables that move, ascending, and their images.
+    moves: Vec<(VarIndex, VarIndex)>,
 }
 
-struct Search<'m> {
+impl Generator {
+    /// The image of a variable.
+    fn image(&self, variable: VarIndex) -> VarIndex {
+        let place = self.moves.binary_search_by_key(&variable, |(v, _)| *v);
+        place.map_or(variable, |place| self.moves[place].1)
+    }
+
+    /// Whether variables go back to where they were when it is done twice.
+    fn is_involution(&self) -> bool {
+        self.moves.iter().all(|(v, w)| self.image(*w) == *v)
+    }
+
+    fn moved(&self) -> impl Iterator<Item = VarIndex> {
+        self.moves.iter().map(|(v, _)| *v)
+    }
+}
+
+struct Search<'m, 'g> {
     model: &'m Model,
-    asked: Asked<'m>,
+    owned: Owned,
     terms: Terms<'m>,
-    /// The commands of each module as they are.
-    commands: Vec<Vec<Term>>,
+    /// The commands of each module, the predicate of the initial states if there is one, what is asked.
+    pieces: Pieces<'m>,
+    /// The first group of what is asked.
+    asked: usize,
     failures: usize,
+    /// How many parts may have been formed before the search ends.
+    most_parts: u64,
+    go_on: &'g dyn Fn() -> bool,
 }
 
-impl<'m> Search<'m> {
-    fn new(model: &'m Model, asked: Asked<'m>) -> Self {
+impl<'m, 'g> Search<'m, 'g> {
+    /// Nothing if a reward structure is asked for that the model does not have.
+    fn new(model: &'m Model, asked: &Asked<'m>, go_on: &'g dyn Fn() -> bool) -> Option<Self> {
         let mut terms = Terms::default();
-        let identity = Permutation::identity(model);
-        let modules = 0..model.modules.len();
-        let commands = modules.map(|m| terms.commands(model, m, &identity));
-        Self {
-            commands: commands.collect(),
-            model,
-            asked,
-            terms,
-            failures: 0,
+        let mut pieces = Pieces::of_modules(model, &mut terms);
+        if let Init::Predicate(predicate) = &model.init {
+            pieces.add_expr(predicate, &mut terms);
         }
+        let first_asked = pieces.groups();
+        for expr in &asked.expressions {
+            pieces.add_expr(expr, &mut terms);
+        }
+        for index in &asked.rewards {
+            let structure = model.rewards.get(*index)?;
+            pieces.add(structure.items.iter().map(Piece::Item), &mut terms);
+        }
+        Some(Self {
+            model,
+            owned: Owned::of(model),
+            most_parts: terms.formed() + MOST_PARTS,
+            terms,
+            pieces,
+            asked: first_asked,
+            failures: 0,
+            go_on,
+        })
     }
 
     /// Symmetries that exchange modules; none for modules that those before already map to each other.
@@ -160,31 +215,30 @@ impl<'m> Search<'m> {
                 if class[first] == class[second] {
                     continue;
                 }
-                if self.failures > MOST_FAILURES {
+                if self.is_over() {
                     return found;
                 }
                 let Some(permutation) = self.exchanging((first, second)) else {
                     self.failures += 1;
                     continue;
                 };
-                for (module, image) in permutation.module.iter().enumerate() {
-                    let (old, new) = (class[module], class[*image]);
-                    class
-                        .iter_mut()
-                        .filter(|c| **c == old)
-                        .for_each(|c| *c = new);
-                }
+                join_classes(&mut class, &permutation);
+                let moved = permutation.moved();
                 found.push(Generator {
                     seed: (first, second),
-                    permutation,
+                    moves: moved.map(|v| (v, permutation.variable[v])).collect(),
                 });
             }
         }
         found
     }
 
+    fn is_over(&self) -> bool {
+        self.failures > MOST_FAILURES || self.terms.formed() > self.most_parts || !(self.go_on)()
+    }
+
     fn exchanging(&mut self, seed: (usize, usize)) -> Option<Permutation> {
-        let alone = Guess::from(self.model, &[seed])?;
+        let alone = Guess::from(self.model, &self.owned, &[seed])?;
         if !self.keeps_model(&alone) {
             return None;
         }
@@ -192,23 +246,23 @@ impl<'m> Search<'m> {
             return Some(alone);
         }
         let modules = &self.model.modules;
-        let stays = |module: &usize| alone.module[*module] == *module;
-        let pairs = (0..modules.len()).filter(stays).flat_map(|a| {
-            let others = (a + 1..modules.len()).filter(stays);
-            others.map(move |b| (a, b))
-        });
-        let like =
-            |(a, b): &(usize, usize)| modules[*a].commands.len() == modules[*b].commands.len();
-        let pairs: Vec<(usize, usize)> = pairs.filter(like).collect();
-        for pair in pairs {
-            if self.failures > MOST_FAILURES {
-                return None;
-            }
-            match Guess::from(self.model, &[seed, pair]) {
-                Some(both) if self.keeps_asked(&both) && self.keeps_model(&both) => {
-                    return Some(both);
+        let stay: Vec<usize> = (0..modules.len())
+            .filter(|module| alone.module[*module] == *module)
+            .collect();
+        for (place, a) in stay.iter().enumerate() {
+            for b in &stay[place + 1..] {
+                if modules[*a].commands.len() != modules[*b].commands.len() {
+                    continue;
                 }
-                _ => self.failures += 1,
+                if self.is_over() {
+                    return None;
+                }
+                match Guess::from(self.model, &self.owned, &[seed, (*a, *b)]) {
+                    Some(both) if self.keeps_asked(&both) && self.keeps_model(&both) => {
+                        return Some(both);
+                    }
+                    _ => self.failures += 1,
+                }
             }
         }
         None
@@ -217,43 +271,34 @@ impl<'m> Search<'m> {
     /// Whether a permutation is an automorphism of the model.
     fn keeps_model(&mut self, permutation: &Permutation) -> bool {
         let model = self.model;
+        let image = |v: VarIndex| permutation.variable[v];
         let keeps_start = match &model.init {
-            Init::Single(values) => {
-                let images = values.iter().zip(&permutation.variable);
-                images
-                    .into_iter()
-                    .all(|(value, image)| values[*image] == *value)
-            }
-            Init::Predicate(predicate) => self.keeps(predicate, permutation),
+            Init::Single(values) => permutation.moved().all(|v| values[image(v)] == values[v]),
+            // One of the groups below.
+            Init::Predicate(_) => true,
         };
-        let kinds = model.variables.iter().zip(&permutation.variable);
-        let keeps_kinds = kinds
-            .into_iter()
-            .all(|(v, image)| v.kind == model.variables[*image].kind);
+        let kind = |v: VarIndex| &model.variables[v].kind;
         keeps_start
-            && keeps_kinds
-            && (0..model.modules.len()).all(|module| {
-                let images = self.terms.commands(model, module, permutation);
-                images == self.commands[permutation.module[module]]
-            })
+            && permutation.moved().all(|v| kind(v) == kind(image(v)))
+            && self.pieces.maps_modules(&mut self.terms, permutation)
+            && (self.pieces).keeps(0..self.asked, &mut self.terms, permutation)
     }
 
     fn keeps_asked(&mut self, permutation: &Permutation) -> bool {
-        let (expressions, rewards) = (self.asked.expressions.clone(), self.asked.rewards.clone());
-        let identity = Permutation::identity(self.model);
-        expressions.iter().all(|e| self.keeps(e, permutation))
-            && rewards.iter().all(|index| {
-                let Some(structure) = self.model.rewards.get(*index) else {
-                    return false;
-                };
-                let images = self.terms.items(structure, permutation);
-                images == self.terms.items(structure, &identity)
-            })
+        let asked = self.asked..self.pieces.groups();
+        self.pieces.keeps(asked, &mut self.terms, permutation)
     }
+}
 
-    fn keeps(&mut self, expr: &'m Expr, permutation: &Permutation) -> bool {
-        let identity = Permutation::identity(self.model);
-        self.terms.of(expr, permutation) == self.terms.of(expr, &identity)
+/// Modules that a permutation maps to each other are of one class.
+fn join_classes(class: &mut [usize], permutation: &Permutation) {
+    for (module, image) in permutation.module.iter().enumerate() {
+        let (old, new) = (class[module], class[*image]);
+        if old != new {
+            (class.iter_mut())
+                .filter(|c| **c == old)
+                .for_each(|c| *c = new);
+        }
     }
 }
 
@@ -261,19 +306,15 @@ impl<'m> Search<'m> {
 fn classes(found: &[Generator], variables: usize) -> Vec<Class> {
     let mut taken = vec![false; variables];
     let mut classes = Vec::new();
-    let is_exchange = |g: &&Generator| g.permutation.is_involution();
-    let mut bases: Vec<usize> = found.iter().map(|g| g.seed.0).collect();
-    bases.dedup();
-    for base in bases {
-        let own = found.iter().filter(|g| g.seed.0 == base);
-        let exchanges: Vec<&Permutation> =
-            own.filter(is_exchange).map(|g| &g.permutation).collect();
-        if let Some(blocks) = blocks(&exchanges) {
+    let (exchanges, others): (Vec<&Generator>, Vec<&Generator>) =
+        found.iter().partition(|g| g.is_involution());
+    for of_base in exchanges.chunk_by(|a, b| a.seed.0 == b.seed.0) {
+        if let Some(blocks) = blocks(of_base) {
             take(Class::Blocks(blocks), &mut taken, &mut classes);
         }
     }
-    for other in found.iter().filter(|g| !is_exchange(g)) {
-        if let Some(powers) = powers(&other.permutation) {
+    for other in others {
+        if let Some(powers) = powers(other) {
             take(Class::Powers(powers), &mut taken, &mut classes);
         }
     }
@@ -293,8 +334,8 @@ fn take(class: Class, taken: &mut [bool], classes: &mut Vec<Class>) {
 }
 
 /// The blocks that involutions exchange with one of them, which they all move; the first two if they do not agree on it.
-fn blocks(exchanges: &[&Permutation]) -> Option<Vec<Vec<VarIndex>>> {
-    let moved = |p: &Permutation| -> BTreeSet<VarIndex> { p.moved().collect() };
+fn blocks(exchanges: &[&Generator]) -> Option<Vec<Vec<VarIndex>>> {
+    let moved = |p: &Generator| -> BTreeSet<VarIndex> { p.moved().collect() };
     let first = exchanges.first()?;
     if exchanges.len() > 1 {
         let all = exchanges.iter().map(|p| moved(p));
@@ -302,7 +343,7 @@ fn blocks(exchanges: &[&Permutation]) -> Option<Vec<Vec<VarIndex>>> {
         let mut blocks = vec![base.iter().copied().collect::<Vec<_>>()];
         let mut seen = base.clone();
         let is_star = exchanges.iter().all(|p| {
-            let image: Vec<VarIndex> = base.iter().map(|v| p.variable[*v]).collect();
+            let image: Vec<VarIndex> = base.iter().map(|v| p.image(*v)).collect();
             let is_new = image.iter().all(|v| seen.insert(*v));
             blocks.push(image);
             is_new && moved(p).len() == 2 * base.len()
@@ -311,18 +352,18 @@ fn blocks(exchanges: &[&Permutation]) -> Option<Vec<Vec<VarIndex>>> {
             return Some(blocks);
         }
     }
-    let half: Vec<VarIndex> = first.moved().filter(|v| *v < first.variable[*v]).collect();
-    let image = half.iter().map(|v| first.variable[*v]).collect();
+    let half: Vec<VarIndex> = first.moved().filter(|v| *v < first.image(*v)).collect();
+    let image = half.iter().map(|v| first.image(*v)).collect();
     (!half.is_empty()).then(|| vec![half, image])
 }
 
 /// All powers of a permutation but the identity; nothing if there are too many.
-fn powers(permutation: &Permutation) -> Option<Vec<Vec<(VarIndex, VarIndex)>>> {
+fn powers(permutation: &Generator) -> Option<Vec<Vec<(VarIndex, VarIndex)>>> {
     let moved: Vec<VarIndex> = permutation.moved().collect();
     let mut powers = Vec::new();
     let mut image = moved.clone();
     loop {
-        image.iter_mut().for_each(|v| *v = permutation.variable[*v]);
+        image.iter_mut().for_each(|v| *v = permutation.image(*v));
         if image == moved {
             return Some(powers);
         }

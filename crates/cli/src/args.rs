@@ -34,7 +34,20 @@ pub use watch::Watch;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use std::time::Duration;
 use study::Choice;
+
+/// The longest time that an argument may name, which ends before clocks do: thirty years.
+const LONGEST_SECS: f64 = 1e9;
+
+/// A time above 0, as [`trace::duration`] reads it.
+fn duration(text: &str) -> Result<Duration, String> {
+    use trace::duration::{DurationError, seconds};
+    let secs = seconds(text).ok();
+    let secs = secs.filter(|secs| *secs > 0.0 && *secs <= LONGEST_SECS);
+    secs.map(Duration::from_secs_f64)
+        .ok_or_else(|| format!("must be a time above 0: {}", DurationError::REMEDY))
+}
 
 /// Reads one of the words of a choice that files of a study have, too.
 fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
@@ -86,7 +99,7 @@ pub enum Command {
     Format(FormatFiles),
     /// Run episodes of a study's simulation and record them.
     Simulate(Simulate),
-    /// Look for what nobody has thought of: coverage-driven tests.
+    /// Look for unexpected behaviour: coverage-driven tests.
     Explore(Explore),
     /// Make a finding as small as it goes, and keep it as a regression.
     Shrink(Shrink),
@@ -113,7 +126,7 @@ pub enum Command {
     Requirements(Requirements),
     /// Compare the pieces of evidence of a study that has been run.
     Compare(Compare),
-    /// Find which asset is to blame for what disagrees in a study.
+    /// Find which asset causes the disagreements in a study.
     Diagnose(Diagnose),
     /// Write the report of a study that has been run.
     Report(Report),
@@ -291,6 +304,32 @@ pub struct Explain {
 mod tests {
     use super::*;
     use clap::CommandFactory;
+
+    #[test]
+    fn times_mean_the_same_in_all_arguments() {
+        let parsed = |words: &str| Arguments::try_parse_from(words.split('|')).map(|it| it.command);
+        let timeout =
+            |time: &str| match parsed(&format!("corroborate|check|m.prism|--timeout|{time}")) {
+                Ok(Command::Check(check)) => check.timeout,
+                _ => None,
+            };
+        let limit =
+            |time: &str| match parsed(&format!("corroborate|watch|study|--dds|0|--for|{time}")) {
+                Ok(Command::Watch(watch)) => watch.limit,
+                _ => None,
+            };
+        for time in ["300", "300s", "300 s", "5m", "5 min", "5minutes"] {
+            let five_minutes = Some(Duration::from_secs(300));
+            assert_eq!(
+                (timeout(time), limit(time)),
+                (five_minutes, five_minutes),
+                "{time}"
+            );
+        }
+        for bad in ["", "s", "-1 s", "0s", "0", "1e400 s", "1e10", "5 mm", "now"] {
+            assert_eq!((timeout(bad), limit(bad)), (None, None), "{bad}");
+        }
+    }
 
     #[test]
     fn the_command_line_is_well_formed_and_every_command_has_examples() {

@@ -10,7 +10,6 @@ mod explore;
 mod format;
 mod init;
 mod inspect;
-mod library;
 mod monitor;
 mod plan;
 mod rare;
@@ -27,7 +26,7 @@ mod watch;
 mod what_if;
 
 use crate::args::Command;
-use corroborate::outcome::Outcome;
+use corroborate::Outcome;
 pub use corroborate::results::json;
 use diagnostic::Problem;
 pub use host::Host;

@@ -5,7 +5,7 @@
 
 use crate::args::Explain;
 use crate::command::Done;
-use corroborate::outcome::Outcome;
+use corroborate::Outcome;
 use diagnostic::{Problem, did_you_mean};
 
 const TOPICS: &str = include_str!("explain/topics.md");

@@ -1,14 +1,16 @@
 //! The `corroborate` command: the only place where techniques meet evidence.
 //!
 //! A command is parsed into plain data ([`args`]), carried out
-//! ([`command`]), and ends in an [`outcome::Outcome`] or a
-//! [`problem::Problem`], which choose the exit code here and nowhere else.
+//! ([`command`]), and ends in an [`corroborate::Outcome`] or a
+//! [`diagnostic::Problem`], which choose the exit code here and nowhere else.
 
 mod args;
 mod command;
+mod drawing;
 mod explain;
 mod memory;
 mod physics_library;
+mod python_path;
 mod shown_calibration;
 mod shown_problem;
 mod terminal;
@@ -27,7 +29,9 @@ fn main() -> ExitCode {
         cancel: terminal::cancel_on_interrupt(),
         physics_library: physics_library::find(),
         build: corroborate::build(),
-        memory: Arc::new(host::Unlimited),
+        python_path: python_path::of_environment(),
+        scratch: std::env::temp_dir(),
+        memory: Arc::new(memory::Memory::unlimited()),
     };
     match command::carry_out(&parsed.command, &host) {
         Ok(done) => finish(&done),
@@ -55,7 +59,7 @@ fn finish(done: &command::Done) -> ExitCode {
         // The reader of a pipe may stop early; that is no fault of ours.
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             terminal::to_stderr(&format!("the result could not be printed: {error}"));
-            ExitCode::from(corroborate::outcome::Outcome::DataLost.exit_code())
+            ExitCode::from(corroborate::Outcome::DataLost.exit_code())
         }
         _ => ExitCode::from(done.outcome.exit_code()),
     }

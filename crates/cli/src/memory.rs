@@ -6,6 +6,7 @@
 //! left: at the limit the thread itself says so and ends the process, since the other end is to be killed without a
 //! message. Files are written whole or not at all, so nothing is left half done.
 
+mod allocator;
 mod available;
 
 use crate::shown_problem::{exit_code, rendered};
@@ -49,6 +50,14 @@ const TO_STOP: f64 = 0.8;
 const LEAST_REST: f64 = 0.1;
 
 impl Memory {
+    /// Without a limit.
+    pub fn unlimited() -> Self {
+        Self {
+            limit: None,
+            state: Arc::default(),
+        }
+    }
+
     /// With a limit, in units of 10^9 bytes; by default what is held now and a part of what is free.
     pub fn new(asked: Option<f64>) -> Self {
         let by_default = || {
@@ -77,6 +86,11 @@ impl MemoryBudget for Memory {
 
     fn must_give_up(&self) -> bool {
         self.state.must_give_up.load(Ordering::Relaxed)
+    }
+
+    fn physics_begins(&self) {
+        // Elsewhere than on Linux with its usual C library there is nothing to set.
+        let _ = allocator::give_large_blocks_back();
     }
 
     fn problem(&self, doing: &str) -> Problem {

@@ -1,5 +1,6 @@
 //! What a calibration found, for people.
 
+use diagnostic::counted;
 use evidence::{CalibrationReport, Likeness, ModeReport, PredictionReport};
 use std::fmt::{Result, Write};
 
@@ -17,8 +18,9 @@ pub fn as_text(report: &CalibrationReport) -> String {
 fn write(text: &mut String, report: &CalibrationReport) -> Result {
     writeln!(
         text,
-        "Fitted to {}, from {} episodes",
-        report.evidence, report.episodes
+        "Fitted to {}, from {}",
+        report.evidence,
+        counted(report.episodes, "episode")
     )?;
     writeln!(text, "  {}", report.guarantee)?;
     write_parameters(text, report)?;

@@ -31,6 +31,17 @@ pub fn to_stderr(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
+/// Columns of the terminal that shows the summary.
+pub fn terminal_width() -> usize {
+    let columns = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok());
+    columns.unwrap_or(100).clamp(40, 160)
+}
+
+/// Whether the summary may use colour.
+pub fn use_colour() -> bool {
+    std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+}
+
 /// Events as a person at a terminal, or a log, is told of them; `quiet` tells nothing.
 pub fn events(quiet: bool) -> Events {
     if quiet {

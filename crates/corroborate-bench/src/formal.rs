@@ -217,7 +217,7 @@ fn answer(
     let answer = check_space(space, property, &Options::with_method(method));
     let answer = answer.map_err(|error| error.to_string())?;
     let AnswerValue::Number(value) = answer.value else {
-        return Err("the answer is no number".into());
+        return Err("the answer is not a number".into());
     };
     Ok(MethodAnswer {
         method: match method {
@@ -226,14 +226,7 @@ fn answer(
         },
         value,
         complement: answer.complement,
-        guarantee: match answer.guarantee {
-            checker::Guarantee::Exact => Guarantee::Exact { rational: None },
-            checker::Guarantee::Bounded { low, high } => Guarantee::Bounded { low, high },
-            checker::Guarantee::Estimated { reason } => Guarantee::Estimated { reason },
-            checker::Guarantee::Statistical { .. } => Guarantee::Estimated {
-                reason: "a statistical answer".into(),
-            },
-        },
+        guarantee: Guarantee::of(&answer.guarantee, None),
         iterations: (answer.iterations > 0).then_some(answer.iterations),
     })
 }

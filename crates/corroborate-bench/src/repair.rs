@@ -27,7 +27,7 @@ use campaign::calibration::{Calibration, CalibrationOptions, Episode, Observed};
 use checker::Method;
 use evidence::{Interval, Outcome, Subject};
 use refinement::{
-    Asked, Counts, Exchange, Ground, Model, ModelChange, Offer, Solver, TextChange, Values,
+    Asked, Counts, Exchange, Ground, Model, ModelChange, Offer, Solver, TextChange, Values, Word,
 };
 use stats::Confidence;
 
@@ -122,11 +122,22 @@ pub fn first_offer(study: &Synthetic) -> Result<Option<Offer>, String> {
     };
     let (text, _) = formal_text(&study.setup, &study.assets)?;
     let asked: &[Asked] = &study.assets.vocabulary.asked;
+    let words: Vec<Word> = asked
+        .iter()
+        .filter_map(|it| {
+            Some(Word {
+                subject: Subject::FailureMode(it.mode.clone()),
+                name: it.mode.clone(),
+                meaning: it.occurs.clone()?,
+            })
+        })
+        .collect();
     let solver = Texts(&study.assets);
     let model = Model {
         evidence: ids::MODEL,
         text: &text,
         asked,
+        words: &words,
         solver: &solver,
         states: None,
     };
@@ -206,6 +217,7 @@ fn applied(study: &Synthetic, offer: &Offer) -> Result<Applied, String> {
             assets.columns = texts::read_table(&text, &assets.modes)?;
         }
         Offer::Columns { .. } => return Err("the table here has names and no counts".into()),
+        Offer::Entries { .. } => return Err("all pieces here are under one condition".into()),
         Offer::Parameters { counts, .. } => fitted = fit(study, &mut assets, counts)?,
     }
     Ok(Applied { assets, fitted })
@@ -327,7 +339,7 @@ fn is_the_truth(study: &Synthetic, offer: &Offer, fitted: &[(String, Interval)])
             TextChange::Methods { .. } => study.assets.methods.first() == Some(&Method::Sound),
         },
         Offer::Exchange { .. } => study.assets.columns.is_sorted(),
-        Offer::Columns { .. } => false,
+        Offer::Columns { .. } | Offer::Entries { .. } => false,
         Offer::Form(change) => {
             let (requirement, _) = change.touches();
             let mut forms = study.assets.forms.iter();

@@ -115,7 +115,7 @@ impl Rigs {
             test: Some(&text.test),
             joined: Some(", "),
             instead: Some((base.file, &base.source)),
-            ..Opening::new(study, host.physics_library.as_deref())
+            ..Opening::new(study, host)
         };
         let full = opening.open(base.simulated)?;
         let fast =

@@ -1,6 +1,5 @@
 //! The comparisons of a study that has been run.
 
-use crate::outcome::Outcome;
 use crate::results::{read_current_result, results_folder};
 use diagnostic::Problem;
 use evidence::{Comparison, StudyResult};
@@ -64,18 +63,6 @@ impl CompareReport {
     /// A requirement's identifier and text, or a failure mode's name.
     pub fn heading<'r>(&'r self, subject: &'r str) -> &'r str {
         self.names.get(subject).map_or(subject, String::as_str)
-    }
-
-    /// Whether a pair conflicts, or one is inconclusive.
-    pub fn outcome(&self) -> Outcome {
-        let any = |wanted| self.comparisons.iter().any(|c| c.outcome == wanted);
-        if any(evidence::Outcome::Conflicts) {
-            Outcome::Violated
-        } else if any(evidence::Outcome::Inconclusive) {
-            Outcome::Inconclusive
-        } else {
-            Outcome::Holds
-        }
     }
 }
 

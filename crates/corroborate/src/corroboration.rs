@@ -175,7 +175,7 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
     let influences = declared
         .iter()
         .fold(evidence::Influences::learn(&evidence), |known, one| {
-            known.declare(&one.requirement, &one.failure_mode, one.bears)
+            known.shown(&one.requirement, &one.failure_mode, one.bears)
         });
     let looks = study.looks.clone();
     let looks = looks.map(|looks| looks.with(evidence::Look::of(&evidence)));

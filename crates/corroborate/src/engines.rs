@@ -108,16 +108,16 @@ fn in_engines(
         false => entry.work.is_simulated_here(),
     };
     if !is_simulation {
-        let message = format!("`{}` is no simulation of this test bench", entry.id);
+        let message = format!("`{}` is not simulated by this test bench", entry.id);
         return Err(Problem::new("not-a-simulation", message).remedy(
             "name an entry of the ledger with a scene, or a second entry to run it against (`--against`)",
         ));
     }
-    let second = match rigs::in_second_engine(study, entry) {
+    let second = match rigs::in_second_engine(study, entry, host) {
         Err(problem) if determinism && problem.code == "one-engine" => None,
         second => Some(second?),
     };
-    let first = rigs::of_entry(study, entry, host.physics_library.as_deref())?;
+    let first = rigs::of_entry(study, entry, host)?;
     say_gaps(first.as_ref(), host);
     let rigs: Vec<Box<dyn Rig>> = std::iter::once(first).chain(second).collect();
     let names = rigs.iter().map(|rig| name_of(rig.as_ref())).collect();
@@ -132,11 +132,11 @@ fn two_entries(study: &Study, entries: [&Entry; 2], host: &Host) -> Result<Named
     let mut named = Named::default();
     for entry in entries {
         if entry.work.simulated().is_none() {
-            let message = format!("`{}` is no simulation", entry.id);
+            let message = format!("`{}` is not a simulation", entry.id);
             return Err(Problem::new("not-a-simulation", message)
                 .remedy("name entries of the ledger with a scene, a scenario or a command"));
         }
-        let rig = rigs::of_entry(study, entry, host.physics_library.as_deref())?;
+        let rig = rigs::of_entry(study, entry, host)?;
         say_gaps(rig.as_ref(), host);
         named.0.push(rig);
         named.1.push(entry.id.clone());

@@ -131,6 +131,7 @@ fn study_of(folder: &Path, seed: Option<u64>) -> Result<Study, Problem> {
 /// How to explore, with the number of episodes that is asked for.
 fn plan_of(study: &Study, file: &Path, episodes: Option<u64>) -> Result<Plan, Problem> {
     let mut plan = Plan::load(&study.folder, file)?;
+    plan.check_triggers(study)?;
     if let Some(episodes) = episodes {
         plan.data.budget.episodes = episodes;
         if let Some(disagreement) = &mut plan.data.disagreement {
@@ -148,7 +149,7 @@ fn bench_of(
     host: &Host,
 ) -> Result<OpenBench, Problem> {
     let entry = study.entry(plan.evidence(disagreement))?;
-    let bench = OpenBench::of_entry(study, entry, host.physics_library.as_deref())?;
+    let bench = OpenBench::of_entry(study, entry, host)?;
     plan.fits(&bench, disagreement)?;
     Ok(bench)
 }

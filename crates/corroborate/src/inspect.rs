@@ -6,6 +6,7 @@ mod study;
 
 use crate::outcome::Outcome;
 use diagnostic::Problem;
+use host::Host;
 use host::files::write_whole;
 use recording::{InspectOptions, Inspection, OpenOptions};
 use robot_model::Loaded;
@@ -29,8 +30,6 @@ pub struct InspectRequest {
     pub gap_factor: f64,
     /// Folders with the packages or models that a description names, besides those around it.
     pub packages: Vec<PathBuf>,
-    /// The physics library, for a study's simulations; without it scenes are looked into in the engine that is built in.
-    pub library: Option<PathBuf>,
 }
 
 impl InspectRequest {
@@ -41,7 +40,6 @@ impl InspectRequest {
             opening: OpenOptions::default(),
             gap_factor: 5.0,
             packages: Vec::new(),
-            library: None,
         }
     }
 }
@@ -88,13 +86,14 @@ pub struct InspectReport {
     pub recording: Inspection,
 }
 
-/// Looks into a recording, a description, or a study.
+/// Looks into a recording, a description, or a study. Without the physics library scenes are looked into in the engine that is
+/// built in.
 ///
 /// # Errors
 /// `bad-recording` and `bad-description`, with the place in a description's text; whatever is wrong in a study's files.
-pub fn inspect(request: &InspectRequest) -> Result<Inspected, Problem> {
+pub fn inspect(request: &InspectRequest, host: &Host) -> Result<Inspected, Problem> {
     if request.file.join("study.toml").is_file() {
-        let found = study::signals_of(&request.file, request.library.as_deref())?;
+        let found = study::signals_of(&request.file, host)?;
         return Ok(Inspected::Study(Box::new(found)));
     }
     if description::is_description(&request.file) {

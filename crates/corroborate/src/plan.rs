@@ -112,7 +112,7 @@ impl RunPlan {
 /// # Errors
 /// What the study's files say wrong, each with its place.
 pub fn plan(request: &RunRequest, host: &Host) -> Result<RunPlan, Problem> {
-    let study = loaded(&request.study, &request.only, host)?;
+    let study = loaded(request, host)?;
     let folder = request.results();
     let planning = Planning {
         ready: &Ready::new(&study, &request.techniques, host)?,

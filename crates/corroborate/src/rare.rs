@@ -67,7 +67,7 @@ pub fn rare(request: &RareRequest, host: &Host) -> Result<RareReport, Problem> {
     check_only(&request.only, &text)?;
     let wanted = |event: &&EventText| request.only.is_empty() || request.only.contains(&event.name);
     let level = confidence(text.confidence)?;
-    let rig = bench::open(&study, &source, &text, host.physics_library.as_deref())?;
+    let rig = bench::open(&study, &source, &text, host)?;
     let folder = request.out.clone();
     let asked = Asked {
         store: Store::open(&folder.unwrap_or_else(|| study.folder.join("results/rare")))?,

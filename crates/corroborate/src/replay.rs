@@ -131,8 +131,7 @@ fn carried_out(
 ) -> Result<ReplayReport, Problem> {
     let study = Study::load(&request.study)?;
     refuse_unknown(&study, &request.only)?;
-    let library = host.physics_library.as_deref();
-    let (episode, bench) = Episode::named(&study, &request.episode, library)?;
+    let (episode, bench) = Episode::named(&study, &request.episode, host)?;
     let judge = match &episode.shows {
         Some(shows) => Some(ShowsJudge::new(&study, shows, &host.cancel)?),
         None => None,

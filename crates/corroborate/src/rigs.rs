@@ -2,6 +2,7 @@
 
 use crate::technique::simulation::load_engine;
 use diagnostic::{Problem, Source};
+use host::Host;
 use rig::{CommandRig, HandoverRig, HandoverTexts, Rig, ScenePhysics, SceneRig};
 use std::path::Path;
 use study::{Entry, Simulated, Study};
@@ -13,8 +14,8 @@ pub type Read<'a> = dyn Fn(&Path) -> Result<Source, Problem> + 'a;
 pub struct Opening<'a> {
     /// The study.
     pub study: &'a Study,
-    /// The physics library, if its place is known.
-    pub library: Option<&'a Path>,
+    /// Where the physics library is, and what programs that a rig starts are given.
+    pub host: &'a Host,
     /// The test that is enacted, in place of the one that is named in the ledger, or of the first.
     pub test: Option<&'a str>,
     /// How mistakes of a handover's files are told: see [`HandoverTexts`].
@@ -25,19 +26,23 @@ pub struct Opening<'a> {
     pub instead: Option<(&'a Path, &'a Source)>,
     /// The entry of the ledger that is to be run in the second engine, if one is.
     pub in_second_engine: Option<&'a Entry>,
+    /// Whether any engine will do, as nothing is run that depends on it: where the physics library is not there, what can be
+    /// is opened in the engine that is built in.
+    pub any_engine: bool,
 }
 
 impl<'a> Opening<'a> {
     /// Rigs of a study as the ledger has them.
-    pub fn new(study: &'a Study, library: Option<&'a Path>) -> Self {
+    pub fn new(study: &'a Study, host: &'a Host) -> Self {
         Self {
             study,
-            library,
+            host,
             test: None,
             joined: None,
             read: None,
             instead: None,
             in_second_engine: None,
+            any_engine: false,
         }
     }
 
@@ -58,17 +63,19 @@ impl<'a> Opening<'a> {
                     parameters: &self.text(parameters)?,
                     joined: self.joined,
                 };
-                let engine = || load_engine(self.library);
+                let engine = || load_engine(self.host);
                 Box::new(HandoverRig::new(&texts, self.test, &engine)?)
             }
             Simulated::Scene { scene, test } => {
                 let source = self.text(scene)?;
-                let physics = match self.in_second_engine {
-                    Some(_) => ScenePhysics::rapier(),
-                    None => ScenePhysics::mujoco(&load_engine(self.library)?),
+                let is_built_in = self.any_engine && self.host.physics_library.is_none();
+                let physics = match self.in_second_engine.is_some() || is_built_in {
+                    true => ScenePhysics::rapier(),
+                    false => ScenePhysics::mujoco(&load_engine(self.host)?),
                 };
                 let test = self.test.or(test);
-                Box::new(SceneRig::new(self.study, scene, &source, test, physics)?)
+                let test = (test, physics);
+                Box::new(SceneRig::new(self.study, scene, &source, test, self.host)?)
             }
             Simulated::Command(command) => {
                 self.only_in_first_engine()?;
@@ -76,7 +83,11 @@ impl<'a> Opening<'a> {
                     (Some(path), Some((replaced, text))) if path == replaced => Some(text),
                     _ => None,
                 };
-                Box::new(CommandRig::new(self.study, command, self.test, stimulus)?)
+                let scratch = &self.host.scratch;
+                let test = self.test;
+                Box::new(CommandRig::new(
+                    self.study, command, test, stimulus, scratch,
+                )?)
             }
         })
     }
@@ -118,22 +129,22 @@ pub fn of_files<'p>(
 ///
 /// # Errors
 /// `not-a-simulation`, and as [`Opening::open`].
-pub fn of_entry(
-    study: &Study,
-    entry: &Entry,
-    library: Option<&Path>,
-) -> Result<Box<dyn Rig>, Problem> {
-    Opening::new(study, library).open(simulated(entry)?)
+pub fn of_entry(study: &Study, entry: &Entry, host: &Host) -> Result<Box<dyn Rig>, Problem> {
+    Opening::new(study, host).open(simulated(entry)?)
 }
 
 /// The rig of a ledger's entry in the second engine.
 ///
 /// # Errors
 /// `not-a-simulation`, `one-engine`, and what its files say wrong.
-pub fn in_second_engine(study: &Study, entry: &Entry) -> Result<Box<dyn Rig>, Problem> {
+pub fn in_second_engine(
+    study: &Study,
+    entry: &Entry,
+    host: &Host,
+) -> Result<Box<dyn Rig>, Problem> {
     let opening = Opening {
         in_second_engine: Some(entry),
-        ..Opening::new(study, None)
+        ..Opening::new(study, host)
     };
     match entry.work.simulated() {
         Some(simulated) => opening.open(simulated),
@@ -147,7 +158,7 @@ pub fn in_second_engine(study: &Study, entry: &Entry) -> Result<Box<dyn Rig>, Pr
 /// `not-a-simulation`.
 pub fn simulated(entry: &Entry) -> Result<Simulated<'_>, Problem> {
     entry.work.simulated().ok_or_else(|| {
-        let message = format!("`{}` is no simulation of this study", entry.id);
+        let message = format!("`{}` is not a simulation of this study", entry.id);
         Problem::new("not-a-simulation", message)
             .remedy("name an entry of the ledger with a scenario, a scene or a command")
     })
@@ -158,7 +169,7 @@ fn one_engine(entry: &Entry) -> Problem {
     Problem::new(
         "one-engine",
         format!(
-            "`{}` is no scene, and the second engine runs scenes only; the handover's contacts, servos and short cuts are written for MuJoCo",
+            "`{}` is not a scene, and the second engine runs only scenes; the handover's contacts, servos and short cuts are written for MuJoCo",
             entry.id
         ),
     )

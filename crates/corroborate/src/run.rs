@@ -12,13 +12,13 @@ pub(crate) use ready::{COMPARISON, Ready, evidence_file};
 use crate::corroboration::Piece;
 use crate::results::results_folder;
 use crate::technique::Techniques;
-use diagnostic::Problem;
+use diagnostic::{Problem, Problems};
 use evidence::{Evidence, StudyResult};
 use host::Host;
 use host::store::Store;
 use runner::Runner;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use study::Study;
 
 /// A study to be run. [`RunRequest::new`] has the defaults.
@@ -99,7 +99,11 @@ impl RunReport {
     pub fn into_study(self) -> Result<StudyResult, Problem> {
         match self {
             Self::Study(result) => Ok(*result),
-            Self::Only(_) => Err(Problem::new("empty-ledger", "nothing was compared")),
+            Self::Only(_) => Err(Problem::new(
+                "empty-ledger",
+                "only some evidence was asked for, so there is no comparison",
+            )
+            .remedy("run the study without `only`")),
         }
     }
 }
@@ -146,7 +150,7 @@ fn carried_out(
     host: &Host,
     draw: Option<Draw<'_>>,
 ) -> Result<RunReport, Problem> {
-    let study = loaded(&request.study, &request.only, host)?;
+    let study = loaded(request, host)?;
     let runner = Runner {
         ready: Ready::new(&study, &request.techniques, host)?,
         store: Store::open(&request.results())?,
@@ -164,19 +168,28 @@ fn carried_out(
     Ok(RunReport::Study(Box::new(result)))
 }
 
-/// The study, if it asks for evidence, and for all that `only` names.
-pub(crate) fn loaded(folder: &Path, only: &[String], host: &Host) -> Result<Study, Problem> {
-    let study = Study::load(folder)?;
+/// The study, if it asks for evidence, and for all that is asked for of it.
+///
+/// # Errors
+/// All mistakes of its files and of those that they name.
+pub(crate) fn loaded(request: &RunRequest, host: &Host) -> Result<Study, Problem> {
+    let mut found = Problems::new();
+    let study = Study::read(&request.study, &mut found)?;
+    if !found.is_empty() {
+        prepare::look_further(&study, &request.techniques, host, &mut found);
+        return found.or(study);
+    }
     if study.ledger.is_empty() {
-        return Err(Problem::new(
-            "empty-ledger",
-            format!("{} asks for no evidence", study.ledger_source.name),
-        )
-        .remedy("add an [[evidence]] with `id`, `technique` and its assets"));
+        return Err(
+            Problem::new("empty-ledger", "the study asks for no evidence")
+                .at(&study.ledger_source, 0..0)
+                .remedy("add an [[evidence]] with `id`, `technique` and its assets to ledger.toml"),
+        );
     }
-    for id in only {
-        study.entry(id)?;
+    for id in &request.only {
+        found.keep(study.entry(id).map(drop));
     }
+    let study = found.or(study)?;
     for warning in study.forms.warnings(&[]) {
         host.events.say(&warning.warning_line());
     }

@@ -113,10 +113,11 @@ fn target(study: &Study, request: &ShrinkRequest, subject: &Subject) -> Result<P
     let name = request.name.as_deref().unwrap_or(&subject.name);
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     if name.is_empty() || name.starts_with('.') || !name.chars().all(is_plain) {
-        return Err(
-            Problem::new("bad-name", format!("`{name}` is no name of a regression"))
-                .remedy("use letters, digits, `-` and `_`"),
-        );
+        return Err(Problem::new(
+            "bad-name",
+            format!("`{name}` is not a valid name of a regression"),
+        )
+        .remedy("use letters, digits, `-` and `_`"));
     }
     let target = study
         .folder

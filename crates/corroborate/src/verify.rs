@@ -30,6 +30,7 @@ pub use audit::{Audit, Checked, Fault, VerifyReport};
 pub(crate) use compare::values_at as same_values;
 pub(crate) use counts::check_intervals;
 
+use crate::assure::{self, Drawing};
 use crate::corroboration::{self, Piece};
 use crate::results::{ASSURANCE, REPORT, RESULT, json, read_result};
 use crate::run::COMPARISON;
@@ -85,17 +86,6 @@ impl VerifyRequest {
         self.deep = true;
         self
     }
-}
-
-/// Names of files, with what they hold.
-pub type NamedTexts = Vec<(String, String)>;
-
-/// How a face draws what it writes of a result: the engine only holds it against the files.
-pub struct Drawing<'d> {
-    /// The page.
-    pub page: &'d dyn Fn(&StudyResult) -> String,
-    /// The files of the assurance case.
-    pub assurance: &'d dyn Fn(&StudyResult) -> Result<NamedTexts, Problem>,
 }
 
 /// Verifies the results of a study; without a `drawing` the page and the assurance case are not looked at, which is
@@ -242,7 +232,7 @@ fn written(
         return Ok(());
     }
     let mut same = 0;
-    for (name, content) in (drawing.assurance)(claimed)? {
+    for (name, content) in assure::files(claimed, drawing)? {
         let path = folder.join(&name);
         match std::fs::read_to_string(&path) {
             Ok(found) => same += u64::from(compare::bytes(&path, &content, &found, audit)),

@@ -1,12 +1,16 @@
 #![doc = include_str!("../README.md")]
 
 mod cancel;
+mod counted;
 mod excerpt;
 mod names;
+mod problems;
 
 pub use cancel::Cancel;
+pub use counted::counted;
 pub use excerpt::Excerpt;
 pub use names::did_you_mean;
+pub use problems::Problems;
 
 use std::fmt;
 use std::ops::Range;
@@ -243,14 +247,26 @@ impl Problem {
         self
     }
 
+    /// It and its others, each by itself. What is only counted is left out.
+    pub fn into_each(mut self) -> Vec<Self> {
+        let others = std::mem::take(&mut self.others);
+        self.not_shown = 0;
+        std::iter::once(self).chain(others).collect()
+    }
+
     /// Several problems as one; `None` if there are none.
     pub fn all(problems: impl IntoIterator<Item = Self>) -> Option<Self> {
         let mut problems = problems.into_iter();
         let mut first = problems.next()?;
-        for problem in problems {
-            match first.others.len() + 1 < MOST_SHOWN {
-                true => first.others.push(problem),
-                false => first.not_shown += 1,
+        let own = std::mem::take(&mut first.others);
+        for mut problem in own.into_iter().chain(problems) {
+            first.not_shown += std::mem::take(&mut problem.not_shown);
+            let others = std::mem::take(&mut problem.others);
+            for one in std::iter::once(problem).chain(others) {
+                match first.others.len() + 1 < MOST_SHOWN {
+                    true => first.others.push(one),
+                    false => first.not_shown += 1,
+                }
             }
         }
         Some(first)

@@ -10,7 +10,9 @@ use stats::{Confidence, Sample};
 
 fn main() -> Result<(), stats::StatsError> {
     let subject = Subject::Requirement("1".into());
-    let requirements = [Requirement::new("1", "At least 85 % of grasps succeed.").at_least(0.85)];
+    let requirements = [Requirement::new("1", "At least 85 % of grasps succeed.")
+        .at_least(0.85)
+        .margin(0.1)];
 
     let model = Evidence::new("E1", Technique::ModelChecking)
         .titled("Formal model")

@@ -33,6 +33,12 @@
 //! probabilities are beta distributions with the mean and variance of the draws (D.-Y. Fan, "The
 //! distribution of the product of independent beta variables", 1991).
 //!
+//! # Assumes
+//! Trials are independent, or alike only within the people and sessions that are declared, whose rates have a beta
+//! distribution (`ERROR_RATES.md` has other laws). Sizes were fixed in advance, or all looks are recorded. Runs without a
+//! verdict may be either. The two sides of a pair are independent of each other; constants that were set to counts have
+//! Jeffreys' priors. All pairs that can be compared are in the correction.
+//!
 //! # Guarantee
 //! With probability at least `c` none of the conflicts reported between independent counts is
 //! due to chance; a pair that truly differs by the margin is reported to agree with probability
@@ -55,6 +61,7 @@ mod questions;
 mod relation;
 mod runs;
 mod shared_data;
+mod statistical;
 mod together;
 mod uncertain;
 pub(crate) mod words;
@@ -77,6 +84,9 @@ use crate::{
 use pair::Pair;
 use stats::{Confidence, StatsError};
 use words::{p_value, points, probability, sentence};
+
+/// Below this p-value of its own a difference that is not shown is told with its correction, too.
+const NOTABLE: f64 = 0.1;
 
 /// The levels that a study declares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -299,6 +309,7 @@ fn draft(
             it.id
         )
     }));
+    noted.extend(runs::total_unknown(sides.0, sides.1));
     match runs::triggers(sides.0, sides.1, margin, &study.levels) {
         Some(Ok(shares)) => comparison.trigger = Some(shares),
         Some(Err(reason)) => comparison.trigger_not_compared = Some(reason),
@@ -506,11 +517,15 @@ impl Draft {
         self.comparison.relation = Some(relation);
         self.comparison.outcome = relation.outcome();
         let reason = match relation {
-            Relation::Equivalent | Relation::TrivialDifference => self.agreement_in_words(differ),
+            Relation::Equivalent | Relation::TrivialDifference => {
+                self.agreement_in_words(pair, differ)
+            }
             Relation::Different | Relation::DifferenceWithinMargin => {
                 self.difference_stated(pair, corrected, family)
             }
-            Relation::Indeterminate | Relation::IndeterminateOutside => self.doubt_in_words(pair),
+            Relation::Indeterminate | Relation::IndeterminateOutside => {
+                self.doubt_in_words(pair, corrected, family)
+            }
         };
         self.comparison.reason = reason + &pair.range_in_words() + &self.fit_in_words();
     }
@@ -548,11 +563,11 @@ impl Draft {
         }
     }
 
-    fn agreement_in_words(&self, differ: bool) -> String {
+    fn agreement_in_words(&self, pair: &Pair, differ: bool) -> String {
         let mut words = format!(
             "They agree within {}: {}.",
             points(self.comparison.margin),
-            self.test_in_words()
+            self.test_in_words(pair)
         );
         if differ {
             words.push_str(" A difference is shown, too, but it is smaller than the margin (trivial difference).");
@@ -564,11 +579,7 @@ impl Draft {
     fn difference_stated(&self, pair: &Pair, corrected: f64, family: usize) -> String {
         let size = points(self.comparison.difference.unwrap_or(0.0).abs());
         let margin = points(self.comparison.margin);
-        let tests = format!(
-            "{}; corrected for {family} comparisons p {}",
-            self.difference_in_words(pair),
-            p_value(corrected)
-        );
+        let tests = self.corrected_in_words(pair, corrected, family);
         match pair.is_inside_margin() {
             false => {
                 format!("They differ by {size}, beyond chance ({tests}); the margin is {margin}.")
@@ -576,17 +587,33 @@ impl Draft {
             true => format!(
                 "They differ by {size}, beyond chance ({tests}), within the margin of {margin}: no conflict, but \
                  agreement is not yet shown ({}).",
-                self.test_in_words()
+                self.test_in_words(pair)
             ),
         }
     }
 
-    fn doubt_in_words(&self, pair: &Pair) -> String {
+    /// The p-value of "no difference" by itself and, where others are compared, too, corrected for them.
+    fn corrected_in_words(&self, pair: &Pair, corrected: f64, family: usize) -> String {
+        let own = self.difference_in_words(pair);
+        match family {
+            0 | 1 => own,
+            _ => format!(
+                "{own}; corrected for {family} comparisons p {}",
+                p_value(corrected)
+            ),
+        }
+    }
+
+    fn doubt_in_words(&self, pair: &Pair, corrected: f64, family: usize) -> String {
+        // The correction is said where it may be what leaves it open.
+        let shown = match self.comparison.p_difference.is_some_and(|p| p < NOTABLE) {
+            true => self.corrected_in_words(pair, corrected, family),
+            false => self.difference_in_words(pair),
+        };
         format!(
-            "Neither a difference ({}) nor agreement within {} ({}) is shown.{}",
-            self.difference_in_words(pair),
+            "Neither a difference ({shown}) nor agreement within {} ({}) is shown.{}",
             points(self.comparison.margin),
-            self.test_in_words(),
+            self.test_in_words(pair),
             match pair.is_inside_margin() {
                 true => String::new(),
                 false => format!(
@@ -610,7 +637,14 @@ impl Draft {
         }
     }
 
-    fn test_in_words(&self) -> String {
+    /// How agreement was tested; two computed values need no test.
+    fn test_in_words(&self, pair: &Pair) -> String {
+        if matches!(
+            (pair.first(), pair.second()),
+            (Belief::Known { .. }, Belief::Known { .. })
+        ) {
+            return "both are computed".to_owned();
+        }
         let within = probability(self.comparison.probability_within_margin.unwrap_or(0.0));
         match self.comparison.p_equivalence {
             Some(p) => format!(

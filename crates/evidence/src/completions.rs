@@ -15,10 +15,15 @@
 //! Worst-case bounds for data that are missing for unknown reasons (C. F. Manski, "Partial identification of probability
 //! distributions", 2003, chapter 1).
 //!
+//! # Assumes
+//! Of the runs without a verdict nothing, unless the study declares that they are missing at random. The others are
+//! independent, or alike by subject as their count says. That the two ends are the extremes is sure of independent trials;
+//! of counts by subject, whose limits are not monotone (`stats::clustered`), it is not proved.
+//!
 //! # Guarantee
 //! Whatever the runs without a verdict would have shown, and however that hangs together with why they have none, the true
-//! rate of all runs is covered as often as if all of them had been seen. The price is the width: `u / (n + u)` at least.
-//! Only where the study declares that they are missing at random is the count of the others taken for all.
+//! rate of all runs is covered at least as often as if all of them had been seen: of independent trials for certain, of those
+//! by subject as far as the two ends are the extremes. The price is the width: `u / (n + u)` at least. Only where the study declares that they are missing at random is the count of the others taken for all.
 
 use crate::{Completions, Finding, Interval, Measure};
 use stats::{Confidence, Sample, StatsError};
@@ -64,7 +69,7 @@ impl Finding {
             return Ok(self);
         }
         let end = |more: u64| with_more(&self.measure, [more, undecided], level, counted);
-        self.may_be(vec![end(0)?, end(undecided)?]);
+        self.widen(vec![end(0)?, end(undecided)?]);
         Ok(self)
     }
 
@@ -79,13 +84,13 @@ impl Finding {
         let is_counted = |it: &Measure| matches!(it, Measure::Counts { trials, .. } if *trials > 0);
         if is_counted(&self.measure) && is_counted(&once.measure) && self.measure != once.measure {
             let all = ends(&self).into_iter().chain(ends(once)).collect();
-            self.may_be(all);
+            self.widen(all);
         }
         self
     }
 
     /// Takes what it may be, and widens its interval to all of it.
-    fn may_be(&mut self, ends: Vec<Measure>) {
+    fn widen(&mut self, ends: Vec<Measure>) {
         let limits = ends
             .iter()
             .chain([&self.measure])
@@ -98,6 +103,12 @@ impl Finding {
             *interval = widest;
         }
         self.completions = Some(Box::new(Completions { ends }));
+    }
+
+    /// What was found, and all that it may be.
+    pub fn may_be(&self) -> impl Iterator<Item = &Measure> {
+        let ends = self.completions.iter().flat_map(|all| &all.ends);
+        std::iter::once(&self.measure).chain(ends)
     }
 
     /// Its runs without a verdict, with what they count for, as the end of a sentence; empty where there are none.

@@ -23,6 +23,12 @@
 //! A requirement without a threshold asks for certainty. Trials alone cannot show it, however many
 //! pass, while one failure denies it; a computed probability within [`CERTAINTY`] of 1 supports it, for the model.
 //!
+//! # Assumes
+//! Trials of the system under the same conditions have one rate, the system's. They are independent, or of people who are
+//! independent draws of those whom the requirement speaks of, with rates of a beta distribution. Sizes were fixed in
+//! advance, or all looks are recorded; no piece and no requirement was left out for its outcome. Runs without a verdict may
+//! be either. That a model's agreement carries over is declared and not tested.
+//!
 //! # Guarantee
 //! The probability that a requirement which the system does not meet is called *satisfied* on the step "of the system"
 //! or "corroborated" is at most `alpha`, and so is that of one which it meets being called *violated* there; with the

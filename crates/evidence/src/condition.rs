@@ -4,6 +4,12 @@
 //! A figure is taken over some runs ([`Denominator`]). Where these are the runs that trigger its subject, the share of all
 //! runs that do is a quantity of its own ([`Finding::trigger`]). The condition of a figure names both, with their counts or
 //! probabilities. It is made here once, so that a page, a summary and a verdict say the same of one figure.
+//!
+//! # Assumes
+//! Nothing of the data.
+//!
+//! # Guarantee
+//! One figure has one condition, wherever it is shown.
 
 use crate::compare::words::percent;
 use crate::{Denominator, Finding, Measure, Subject};

@@ -19,6 +19,10 @@
 //! them by asset, as [`Suspect`]s. Published evidence that other evidence
 //! reproduces is spoken for by that evidence and takes no part.
 //!
+//! # Assumes
+//! Where one thing is changed, all else is the same: the model, the traces, the property. Trials are independent, or count
+//! at their effective size.
+//!
 //! # Guarantee
 //! Every comparison with the outcome *conflicts* between evidence that takes
 //! part gives a clue against at least one asset, unless both sides agree once
@@ -34,6 +38,7 @@ mod forms;
 mod hidden;
 mod matter;
 mod names;
+mod places;
 mod ranking;
 mod rates;
 mod shared;
@@ -47,9 +52,10 @@ mod voices;
 pub use cells::{CellPlace, VerdictCounts};
 pub use columns::{ExchangedColumns, exchanged_columns};
 pub use contrast::{SameTraces, contrasts};
-pub use exchanged::put_right;
+pub use exchanged::{Exchanged, exchanged, put_right};
 pub use matter::{Clue, Counted, Matter, TableOf, requirement_form, system_model};
 pub use names::{MixedUp, mixed_up};
+pub use places::changed_places;
 pub use ranking::rank;
 pub use strength::{CERTAIN, Rate, STRONG, signed_strength, strength};
 pub use suspect::{

@@ -275,7 +275,7 @@ impl CauseFound {
     pub fn settings_in_words(&self) -> String {
         let settings: Vec<String> = self.settings.iter().map(ToString::to_string).collect();
         match settings.is_empty() {
-            true => "all that is set or drawn once is nominal".to_owned(),
+            true => "all parameters are at their nominal values".to_owned(),
             false => settings.join(", "),
         }
     }

@@ -1,6 +1,6 @@
 //! Findings: one number about one subject, never without its uncertainty.
 
-use crate::{Interval, RunVerdict};
+use crate::{Guarantee, Interval, RunVerdict};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -62,65 +62,6 @@ pub enum Denominator {
         /// Why the number is not given that it is triggered.
         reason: String,
     },
-}
-
-/// How far a computed number can be trusted.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case", tag = "kind")]
-pub enum Guarantee {
-    /// Computed without rounding; `rational` is the exact value as `p/q` if
-    /// it is short enough to show.
-    Exact {
-        /// The value as a fraction.
-        rational: Option<String>,
-    },
-    /// The true value lies between these bounds.
-    Bounded {
-        /// Lower bound.
-        low: f64,
-        /// Upper bound.
-        high: f64,
-    },
-    /// The model leaves choices open: under each scheduler the value is between these bounds, which are those of the
-    /// worst and the best scheduler.
-    Schedulers {
-        /// Not above the least value.
-        low: f64,
-        /// Not below the greatest value.
-        high: f64,
-        /// What the worst scheduler does, where it makes the subject miss its threshold.
-        #[serde(default)]
-        worst: Option<Box<WorstCase>>,
-    },
-    /// An iteration stopped; the error is unknown.
-    Estimated {
-        /// Why there is no bound, for example the stopping rule.
-        reason: String,
-    },
-}
-
-impl Guarantee {
-    /// The least and the greatest value over all schedulers, if the value is such a range.
-    #[must_use]
-    pub fn over_schedulers(&self) -> Option<(f64, f64)> {
-        match self {
-            Guarantee::Schedulers { low, high, .. } => Some((*low, *high)),
-            Guarantee::Exact { .. } | Guarantee::Bounded { .. } | Guarantee::Estimated { .. } => {
-                None
-            }
-        }
-    }
-
-    /// Whether the value is an estimate, of which no bounds are known.
-    #[must_use]
-    pub fn is_estimated(&self) -> bool {
-        match self {
-            Guarantee::Estimated { .. } => true,
-            Guarantee::Exact { .. } | Guarantee::Bounded { .. } | Guarantee::Schedulers { .. } => {
-                false
-            }
-        }
-    }
 }
 
 /// What the scheduler of the worst case does along the most probable path on which the subject fails.
@@ -400,7 +341,9 @@ impl Measure {
                 (Some(credible), _) => credible.interval,
                 (
                     None,
-                    Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. },
+                    Guarantee::Bounded { low, high }
+                    | Guarantee::Schedulers { low, high, .. }
+                    | Guarantee::Statistical { low, high, .. },
                 ) => Interval {
                     low: *low,
                     high: *high,

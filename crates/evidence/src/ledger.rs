@@ -271,10 +271,14 @@ pub enum CopyKind {
     Constant,
     /// Counts that are the other evidence's.
     Counts,
+    /// A table of totals that is the other evidence's to the byte, under another name.
+    File,
     /// Rows of a table.
     Rows,
     /// A number in an asset that is a product of two rates of the other evidence's counts.
     Product,
+    /// What a model computes that is, to the last digit, what the other evidence's model computes.
+    Answer,
     /// Trials of the piece itself that are alike where the table does not say that they belong together; the other
     /// evidence is the piece.
     Trials,
@@ -285,6 +289,16 @@ pub enum CopyKind {
 }
 
 impl Evidence {
+    /// Whether that a table of this piece has the content of one of the other's may be chance, or is settled: the question about it
+    /// ([`CopyKind::File`]) decides, and the content says nothing.
+    pub(crate) fn may_equal_by_chance(&self, other: &Self) -> bool {
+        let asked = |one: &Self, other: &Self| {
+            let mut all = one.lineage_questions.iter();
+            all.any(|it| it.kind == CopyKind::File && it.with == other.id)
+        };
+        asked(self, other) || asked(other, self)
+    }
+
     /// The finding about a subject.
     pub fn finding(&self, subject: &Subject) -> Option<&Finding> {
         self.findings.iter().find(|f| &f.subject == subject)

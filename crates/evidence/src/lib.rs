@@ -23,10 +23,12 @@ mod exploration;
 mod failure;
 mod finding;
 mod fit;
+mod guarantee;
 mod interval;
 mod ledger;
 mod looks;
 mod making;
+mod margin;
 mod measure;
 pub mod replay;
 mod requirement;
@@ -52,11 +54,11 @@ pub use conclude::threshold::{Deciding, NotPlanned};
 pub use conclude::{AS_ALIKE, CERTAINTY, conclude, effective_size};
 pub use description::DescriptionGap;
 pub use diagnose::{
-    CERTAIN, Cell, CellPlace, Clue, Contrast, Counted, Diagnosis, Effort, ExchangedColumns, Figure,
-    HALF_STEP, JudgedBy, Matter, MixedUp, Rate, STRONG, SameTraces, Suspect, SuspectAsset,
-    SuspectKind, Symptom, TableOf, Traces, VerdictCounts, Witness, contrasts, exchanged_columns,
-    mixed_up, put_right, rank, requirement_form, share_assumption, signed_strength, strength,
-    system_model, voices,
+    CERTAIN, Cell, CellPlace, Clue, Contrast, Counted, Diagnosis, Effort, Exchanged,
+    ExchangedColumns, Figure, HALF_STEP, JudgedBy, Matter, MixedUp, Rate, STRONG, SameTraces,
+    Suspect, SuspectAsset, SuspectKind, Symptom, TableOf, Traces, VerdictCounts, Witness,
+    changed_places, contrasts, exchanged, exchanged_columns, mixed_up, put_right, rank,
+    requirement_form, share_assumption, signed_strength, strength, system_model, voices,
 };
 pub use disagreement::{
     ContextParameter, ContextRange, ContextRegion, DisagreementMap, MapPlace, RegionOutcome,
@@ -69,19 +71,21 @@ pub use exploration::{
 pub use failure::{EpisodeFailures, FailureKind};
 pub use finding::{
     Completions, ConstantInterval, CredibleInterval, Denominator, EndDistribution, Finding,
-    FormDifference, Guarantee, Measure, MethodAnswer, Reading, RobustBounds, SchedulerEnds, Spread,
-    Subject, WorstCase,
+    FormDifference, Measure, MethodAnswer, Reading, RobustBounds, SchedulerEnds, Spread, Subject,
+    WorstCase,
 };
 pub use fit::{
     CalibrationReport, DirectionReport, FileReport, HeldOutRunsReport, Identification, Likeness,
     LineageReport, ModeReport, ParameterReport, PredictionReport,
 };
+pub use guarantee::Guarantee;
 pub use interval::Interval;
 pub use ledger::{
     AlikeTrials, Calibration, ClusterTests, CommonText, CopyKind, Cost, Evidence, LineageQuestion,
     PublishedFigure, RepeatedRows, SharedSeeds, StudyResult, TakenCorrelation,
 };
 pub use looks::{Look, LookedAt, Looking, Looks};
+pub use margin::{DEFAULT_MARGIN, margin_of};
 pub use measure::{Worst, adds_up};
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
 pub use sensitivity::{ASSUMED_GROUP, CORRELATIONS, bear_clustering};

@@ -10,6 +10,11 @@
 //! Nothing is charged where no trials can be added (published and reproduced evidence, computed values), and nowhere if
 //! a study declares that its sample sizes were fixed in advance.
 //!
+//! # Assumes
+//! Every run of the study at which counts were new is recorded, and no look is taken out. Later counts that are no less in
+//! successes and failures are of the same trials and more, which counts cannot show. What is computed was the same at all
+//! looks. No piece was begun anew for its outcome.
+//!
 //! # Guarantee
 //! That of `stats::continuation`: with the looks recorded, whoever goes on until something is shown errs no more often
 //! than the declared level: exactly for independent counts, approximately for correlated ones (`ERROR_RATES.md`). Of correlated ones a look keeps the counts by subject, so that it
@@ -17,7 +22,7 @@
 
 pub(crate) mod over_looks;
 
-use crate::compare::words::percent;
+use crate::compare::words::{percent, points};
 use crate::compare::{Belief, ByCluster, CountsAtLook};
 use crate::conclude::{at_one_look, of_tests};
 use crate::{Evidence, Interval, Measure, Subject};
@@ -153,9 +158,13 @@ pub(crate) fn looking(id: &str, belief: &Belief, level: Confidence) -> Option<Lo
         single_look_interval: Some(once),
         statement: format!(
             "{id}: look {look}. Trials may be added and judged again; the limits of the verdict's tests that allow for it, \
-             two-sided at {}, are {} at every look. The interval beside the rate is of one look.",
+             two-sided at {}, are {} at every look, where those of a single look would be {}: looking costs {} of the lower limit \
+             and {} of the upper one. The interval beside the rate is of one look.",
             percent(level.level()),
-            in_words(all)
+            in_words(all),
+            in_words(once),
+            points((once.low - all.low).max(0.0)),
+            points((all.high - once.high).max(0.0)),
         ),
     })
 }

@@ -7,7 +7,8 @@ use crate::{
 };
 
 impl Requirement {
-    /// A requirement of every run, with a margin of agreement of 0.1.
+    /// A requirement of every run, with the margin of agreement of declarations that have none
+    /// ([`DEFAULT_MARGIN`](crate::DEFAULT_MARGIN)).
     ///
     /// ```
     /// let grasp = evidence::Requirement::new("1", "The robot shall grasp the object.").at_least(0.9);
@@ -18,7 +19,7 @@ impl Requirement {
         Self {
             id: id.into(),
             text: text.into(),
-            margin: 0.1,
+            margin: crate::DEFAULT_MARGIN,
             ..Self::default()
         }
     }

@@ -6,6 +6,10 @@
 //!
 //! Source: E. B. Wilson (1927) for the interval; `stats` for clusters and draws. Guarantee: bounds of a
 //! quotient hold, since each division is rounded outwards.
+//!
+//! # Assumes
+//! Trials are independent, or of clusters as `stats::clustered` has it, and fixed in number. Points of constants'
+//! posteriors are of independent constants.
 
 use crate::{
     CredibleInterval, EndDistribution, Guarantee, Interval, Measure, MethodAnswer, SchedulerEnds,
@@ -41,6 +45,23 @@ impl Measure {
                 high: interval.high,
             },
         })
+    }
+
+    /// Counts, and what they are worth in independent trials; none of what is no count, contradicts itself or has no trials.
+    #[must_use]
+    pub fn at_its_worth(&self) -> Option<(Sample, EffectiveSample)> {
+        let Self::Counts {
+            count,
+            trials,
+            effective_trials,
+            ..
+        } = *self
+        else {
+            return None;
+        };
+        let sample = Sample::new(count, trials).ok()?;
+        let size = effective_trials.unwrap_or(trials as f64);
+        Some((sample, EffectiveSample::at_size(sample, size).ok()?))
     }
 
     /// Counts by subject or session, whose trials may be alike.
@@ -98,7 +119,9 @@ impl Measure {
         let has_several = counts.iter().any(|one| one[1] > 1);
         Self::Counts {
             by_subject: has_several.then_some(counts),
-            subjects: (rate.method != ClusterMethod::Independent).then_some(rate.clusters as u64),
+            // Trials that few attempts gave are of no more subjects than trials.
+            subjects: (rate.method != ClusterMethod::Independent)
+                .then_some((rate.clusters as u64).min(rate.total.trials)),
             count: rate.total.successes,
             trials: rate.total.trials,
             effective_trials: match rate.method {
@@ -317,7 +340,7 @@ pub enum Worst {
 }
 
 impl MethodAnswer {
-    /// Bounds of the probability; `None` where its error is unknown.
+    /// Bounds of the probability that hold for certain; `None` where there are none.
     pub fn bounds(&self) -> Option<Interval> {
         match &self.guarantee {
             Guarantee::Exact { .. } => Some(Interval {
@@ -330,8 +353,14 @@ impl MethodAnswer {
                     high: *high,
                 })
             }
-            Guarantee::Estimated { .. } => None,
+            Guarantee::Statistical { .. } | Guarantee::Estimated { .. } => None,
         }
+    }
+
+    /// Where the probability lies, and with which probability it does not lie there; `None` where its error is unknown.
+    pub(crate) fn within(&self) -> Option<(Interval, f64)> {
+        let certain = self.bounds().map(|bounds| (bounds, 0.0));
+        certain.or_else(|| self.guarantee.within())
     }
 
     /// The probability of the contrary, with the bounds that this one's imply.
@@ -371,6 +400,18 @@ impl MethodAnswer {
                     worst: worst.clone(),
                 }
             }
+            Guarantee::Statistical {
+                confidence,
+                low,
+                high,
+            } => {
+                let (low, high) = turned(*low, *high);
+                Guarantee::Statistical {
+                    confidence: *confidence,
+                    low,
+                    high,
+                }
+            }
             Guarantee::Estimated { reason } => Guarantee::Estimated {
                 reason: reason.clone(),
             },
@@ -384,20 +425,31 @@ impl MethodAnswer {
         }
     }
 
-    /// This probability given that of its opportunity, with the bounds that theirs imply.
+    /// This probability given that of its opportunity, with the bounds that theirs imply. Where one is statistical, both lie
+    /// where they are said to lie with at least one minus the sum of their doubts (Bonferroni), however they depend.
     pub fn quotient(&self, opportunity: &MethodAnswer) -> MethodAnswer {
-        let guarantee = match (self.bounds(), opportunity.bounds()) {
-            (Some(this), Some(other)) if other.low > 0.0 => Guarantee::Bounded {
+        let guarantee = match (self.within(), opportunity.within()) {
+            (Some((this, doubt)), Some((other, others_doubt)))
+                if other.low > 0.0 && doubt + others_doubt < 1.0 =>
+            {
                 // One step outwards each: the divisions round.
-                low: match this.low > 0.0 {
+                let low = match this.low > 0.0 {
                     true => (this.low / other.high).next_down().clamp(0.0, 1.0),
                     false => 0.0,
-                },
-                high: match this.high > 0.0 {
+                };
+                let high = match this.high > 0.0 {
                     true => (this.high / other.low).next_up().min(1.0),
                     false => 0.0,
-                },
-            },
+                };
+                match doubt + others_doubt {
+                    0.0 => Guarantee::Bounded { low, high },
+                    doubt => Guarantee::Statistical {
+                        confidence: 1.0 - doubt,
+                        low,
+                        high,
+                    },
+                }
+            }
             _ => Guarantee::Estimated {
                 reason: "the quotient of two estimates".into(),
             },

@@ -12,6 +12,10 @@
 //! L. Kish, "Survey sampling" (1965), for the design effect. That the least deviation is given at which a conclusion
 //! falls follows J. Cornfield et al., "Smoking and lung cancer" (1959).
 //!
+//! # Assumes
+//! All evidence of unknown clustering has one correlation, which is not negative, and groups of one size. Both are
+//! supposed, not found.
+//!
 //! # Guarantee
 //! It is no test: nothing is known of the correlation. Decisions between two of the correlations are not looked at.
 //! Cost: that of comparing and concluding, for each correlation until all decisions have changed.
@@ -19,8 +23,8 @@
 use crate::compare::words::list;
 use crate::compare::{Computed, compare_knowing};
 use crate::{
-    ClusterSensitivity, Comparison, Conclusion, Evidence, ExclusionReason, Measure, Outcome, Study,
-    Verdict, conclude,
+    ClusterSensitivity, Comparison, Conclusion, Evidence, ExclusionReason, Measure, Outcome, Step,
+    Study, Verdict, conclude,
 };
 use stats::{Confidence, Sample, kish_design_effect};
 
@@ -85,7 +89,11 @@ pub fn bear_clustering(
         }
     }
     for (conclusion, found) in conclusions.iter_mut().zip(verdicts) {
-        if matches!(conclusion.verdict, Verdict::Satisfied | Verdict::Violated) {
+        // A verdict for the model, or in simulation, counts no trials of the system.
+        let is_of_system = conclusion
+            .step
+            .is_some_and(|step| step >= Step::Corroborated);
+        if is_of_system && matches!(conclusion.verdict, Verdict::Satisfied | Verdict::Violated) {
             let decides = |id: &String| {
                 let mut excluded = conclusion.excluded.iter();
                 !excluded.any(|it| &it.evidence == id && it.reason == ExclusionReason::OneSubject)

@@ -11,6 +11,12 @@
 //! | of the system | trials of the system: experiment or operation |
 //!
 //! See `conclude` for the rule of each step and its error rate.
+//!
+//! # Assumes
+//! Nothing of the data.
+//!
+//! # Guarantee
+//! A verdict never stands on a higher step than what decides it.
 
 use crate::{Subject, Technique, WitnessOf};
 use schemars::JsonSchema;

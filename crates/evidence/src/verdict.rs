@@ -159,7 +159,7 @@ pub enum Verdict {
     Undecided,
     /// Pieces of evidence contradict each other.
     Conflicting,
-    /// Nothing speaks about it.
+    /// No evidence covers it.
     #[default]
     NotCovered,
 }

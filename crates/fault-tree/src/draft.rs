@@ -264,7 +264,7 @@ fn unused(tree: &FaultTree, source: &Source) -> Vec<Problem> {
         let message = match roots.is_empty() {
             true => "the text has no gate, so no top event".to_owned(),
             false => format!(
-                "{} gates are no argument of another, so none is the top event: {}{}",
+                "{} gates are not arguments of another gate, so no single one is the top event: {}{}",
                 roots.len(),
                 names.join(", "),
                 if roots.len() > 5 { ", ..." } else { "" }

@@ -51,6 +51,23 @@ pub enum Guarantee {
     },
 }
 
+impl Guarantee {
+    /// What that means for a number that lies between `low` and `high` as the probability lies between its bounds. Whether
+    /// bounds are attained is of no matter for what may be concluded.
+    #[must_use]
+    pub fn between(self, low: f64, high: f64) -> stats::Guarantee {
+        match self {
+            Guarantee::Exact => stats::Guarantee::Exact,
+            Guarantee::Rounded | Guarantee::Range { .. } => stats::Guarantee::Bounded { low, high },
+            Guarantee::Statistical { confidence, .. } => stats::Guarantee::Statistical {
+                confidence,
+                low,
+                high,
+            },
+        }
+    }
+}
+
 /// A probability with its guarantee.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probability {

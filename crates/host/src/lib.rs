@@ -13,6 +13,7 @@ pub use events::{Event, Events, Stage};
 pub use memory::{MemoryBudget, Unlimited};
 
 use diagnostic::Problem;
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -43,17 +44,26 @@ pub struct Host {
     pub physics_library: Option<PathBuf>,
     /// Which build computes.
     pub build: BuildId,
+    /// Where programs in Python that a study names find modules (`PYTHONPATH`); by default as the process has it.
+    pub python_path: Option<OsString>,
+    /// The folder for what passes while work goes on, and is removed again.
+    pub scratch: PathBuf,
     /// How much memory the work may take.
     pub memory: Arc<dyn MemoryBudget>,
 }
 
+/// Where Unix has a folder for what passes, unless the environment names another one.
+const SCRATCH: &str = "/tmp";
+
 impl Host {
-    /// A host that is silent, never asks to stop and has no physics.
+    /// A host that is silent, never asks to stop and has no physics; what passes goes to `/tmp`.
     pub fn silent(build: BuildId) -> Self {
         Self {
             events: Events::none(),
             cancel: Arc::default(),
             physics_library: None,
+            python_path: None,
+            scratch: PathBuf::from(SCRATCH),
             build,
             memory: Arc::new(Unlimited),
         }

@@ -11,6 +11,10 @@ pub trait MemoryBudget: fmt::Debug + Send + Sync {
     /// Whether the work must end at once, without what it has reached.
     fn must_give_up(&self) -> bool;
 
+    /// That physics is about to be simulated: each episode takes and gives back blocks of a few hundred kilobytes. A face that
+    /// owns the process may set its allocator for that; results do not depend on it.
+    fn physics_begins(&self);
+
     /// The problem of work that was ended by it; `doing` says while what, such as ` while states were explored`, or nothing.
     fn problem(&self, doing: &str) -> Problem;
 }
@@ -27,6 +31,8 @@ impl MemoryBudget for Unlimited {
     fn must_give_up(&self) -> bool {
         false
     }
+
+    fn physics_begins(&self) {}
 
     fn problem(&self, doing: &str) -> Problem {
         Problem::undecided(

@@ -460,14 +460,22 @@ pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Problem> {
     Ok(files)
 }
 
-fn read_map(path: &Path) -> Result<TopicMap, Problem> {
+/// Reads a topic map.
+///
+/// # Errors
+/// All its mistakes, each with its place.
+pub fn read_map(path: &Path) -> Result<TopicMap, Problem> {
     let source = host::files::read_source(path)?;
     TopicMap::parse(&source.name, &source.text).map_err(|errors| {
-        let problems = errors
-            .iter()
-            .map(|error| Problem::new("bad-topic-map", error.to_string()));
-        Problem::all(problems)
-            .unwrap_or_else(|| Problem::new("bad-topic-map", "the topic map cannot be read"))
-            .remedy("`corroborate inspect RECORDING` drafts a topic map")
+        let problems = errors.into_iter().map(|error| {
+            Problem::new("bad-topic-map", error.message)
+                .at(&source, error.span)
+                .remedy(error.remedy)
+        });
+        Problem::all(problems).unwrap_or_else(|| {
+            Problem::new("bad-topic-map", "the topic map cannot be read")
+                .at(&source, 0..0)
+                .remedy("`corroborate inspect RECORDING` drafts a topic map")
+        })
     })
 }

@@ -166,10 +166,9 @@ impl State {
             self.items.push_back(Incoming::Event { at_nanos, event });
         }
         if self.events_left_out > 0 {
-            let text = format!(
-                "{} events were left out because nobody took them",
-                std::mem::take(&mut self.events_left_out)
-            );
+            let count = std::mem::take(&mut self.events_left_out);
+            let noun = if count == 1 { "event" } else { "events" };
+            let text = format!("{count} {noun} dropped: not read in time");
             let event = Event::Notice { text };
             self.items.push_back(Incoming::Event { at_nanos, event });
         }

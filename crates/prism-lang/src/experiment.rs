@@ -216,7 +216,7 @@ mod tests {
             ("x=3:1", "below"),
             ("x=1:2:3:4", "three parts"),
             ("x=true:false", "truth values"),
-            ("x=1:1:y", "no value"),
+            ("x=1:1:y", "not a valid value"),
             ("x=0:1e-30:1", "too many"),
         ] {
             let message = Experiment::parse(text).unwrap_err().to_string();

@@ -249,7 +249,7 @@ impl<'t> Lexer<'t> {
             _ => (
                 self.at + character.len_utf8(),
                 format!(
-                    "`{}` is no part of the PRISM language.",
+                    "`{}` is not part of the PRISM language.",
                     character.escape_debug()
                 ),
                 "Remove it.",

@@ -328,11 +328,11 @@ impl fmt::Display for ConstantsError {
             ),
             Self::NotAValue { name, value } => write!(
                 f,
-                "`{value}` is no value for constant `{name}`: give an integer, a decimal number, a fraction such as 1/3, true or false"
+                "`{value}` is not a valid value of constant `{name}`: give an integer, a decimal number, a fraction such as 1/3, true or false"
             ),
             Self::BadRange { name, range, why } => write!(
                 f,
-                "`{range}` is no range for constant `{name}`, {why}: write `first:step:last` or `first:last`"
+                "`{range}` is not a valid range of constant `{name}`, {why}: write `first:step:last` or `first:last`"
             ),
             Self::Twice(name) => {
                 write!(f, "constant `{name}` is given twice: give it one value")
@@ -379,7 +379,7 @@ mod tests {
         }
         let message = Constants::parse("a=inf").unwrap_err().to_string();
         assert!(
-            message.contains("`inf` is no value for constant `a`"),
+            message.contains("`inf` is not a valid value of constant `a`"),
             "{message}"
         );
         assert!(Constants::parse("a=1/0").is_err());

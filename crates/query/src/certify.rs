@@ -130,8 +130,8 @@ struct Solver<'a> {
 }
 
 impl Oracle for Solver<'_> {
-    fn go_on(&self) -> bool {
-        !self.options.cancel.is_some_and(|cancel| cancel())
+    fn is_cancelled(&self) -> bool {
+        self.options.cancel.is_some_and(|cancel| cancel())
     }
 
     fn bounds(&mut self, problem: &inequalities::Problem<'_>, attempt: u32) -> Option<Bounds> {

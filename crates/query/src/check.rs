@@ -14,7 +14,7 @@ use checker::formats::Written;
 use checker::state_space::StateSpace;
 use checker::symmetry::Symmetry;
 use checker::{Answer, Options, Stop};
-use diagnostic::{Problem, Source};
+use diagnostic::{Problem, Source, counted};
 use host::Host;
 use prism_lang::{Arithmetic, Constants, Experiment, NamedProperty, Rational, resolved};
 use std::path::Path;
@@ -268,7 +268,7 @@ impl<'a> Work<'a> {
         let limits = ExploreOptions {
             max_states: most_states(self.request),
             symmetry: match self.may_fold() {
-                true => Symmetry::of(&model, meaningful.clone()),
+                true => Symmetry::of_while(&model, meaningful.clone(), &|| !self.ending.is_due()),
                 false => Symmetry::default(),
             },
             ..match self.request.exports.model.is_empty() {
@@ -546,8 +546,10 @@ pub(crate) fn selected<'a>(
             let message = format!("there is no property `{wanted}`");
             let named = if names.is_empty() { "" } else { ", named " };
             let (count, names) = (asked.len(), names.join(", "));
-            Problem::new("unknown-property", message)
-                .remedy(format!("there are {count} properties{named}{names}"))
+            Problem::new("unknown-property", message).remedy(format!(
+                "the input has {}{named}{names}",
+                counted(count, "property")
+            ))
         })
     };
     // PRISM's switch takes several, separated by commas.

@@ -144,7 +144,7 @@ fn given(path: &Path, order: &Explicit<'_, f64>) -> Result<Vec<f64>, Problem> {
             None if text.trim().is_empty() => {}
             None => {
                 return Err(bad(format!(
-                    "line {}: `{text}` is no probability",
+                    "line {}: expected a probability, found `{text}`",
                     line + 1
                 )));
             }

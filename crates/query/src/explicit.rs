@@ -7,6 +7,7 @@ use diagnostic::{Problem, Source};
 use host::Events;
 use prism_lang::Arithmetic;
 use prism_lang::resolved::ModelType;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The forms of PRISM's files.
@@ -212,6 +213,36 @@ fn say_what_is_not_read(named: &[(&'static str, usize, PathBuf)], talk: &Events)
 
 /// A line of a file that is wrong.
 fn wrong(source: &Source, error: &ExplicitError) -> Problem {
-    let message = format!("{}:{}: {}", source.name, error.line, error.message);
-    Problem::new("bad-model-file", message)
+    let place = line(&source.text, error.line);
+    Problem::new("bad-model-file", error.message.as_str()).at(source, place)
+}
+
+/// Where a line of a text lies, without its end; behind the last line, the end of the text.
+fn line(text: &str, number: usize) -> Range<usize> {
+    let before = text.split_inclusive('\n').take(number.saturating_sub(1));
+    let begin = before.map(str::len).sum();
+    let own = text[begin..].lines().next().unwrap_or_default();
+    begin..begin + own.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wrong_line_has_its_place() {
+        assert_eq!(line("a\nbc\r\nd", 2), 2..4);
+        assert_eq!(line("a\nbc\n", 3), 5..5);
+        let error = ExplicitError {
+            file: "tra",
+            line: 2,
+            message: "wrong".to_owned(),
+        };
+        let problem = wrong(&Source::new("m.tra", "1 1\nx"), &error);
+        let place = problem.place().expect("a place");
+        assert_eq!(
+            (place.name.as_str(), place.line, place.column),
+            ("m.tra", 2, 1)
+        );
+    }
 }

@@ -102,7 +102,7 @@ pub struct Built {
 }
 
 impl PropertyReport {
-    /// Whether it means nothing over the model, so that the input has to be mended.
+    /// Whether it means nothing over the model, so that the input has to be fixed.
     pub fn is_wrong(&self) -> bool {
         self.is_wrong
     }
@@ -192,7 +192,7 @@ pub struct PropertyReport {
     pub unfinished: Option<String>,
     /// Seconds for the answer.
     pub check_secs: f64,
-    /// Whether the property means nothing over the model, so that the input has to be mended.
+    /// Whether the property means nothing over the model, so that the input has to be fixed.
     #[serde(skip)]
     pub(crate) is_wrong: bool,
     /// Which valuation of constants it belongs to.

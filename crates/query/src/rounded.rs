@@ -102,7 +102,7 @@ fn joined(answer: &Answer, over_all: &Answer) -> Result<Guarantee, String> {
         }
         (Guarantee::Estimated { reason }, _) => return Err(reason.clone()),
         (Guarantee::Bounded { .. } | Guarantee::Exact | Guarantee::Statistical { .. }, _) => {
-            return Err("it is no single number".to_owned());
+            return Err("it is not a single number".to_owned());
         }
     };
     match (&over_all.guarantee, &over_all.value) {
@@ -124,6 +124,6 @@ fn joined(answer: &Answer, over_all: &Answer) -> Result<Guarantee, String> {
             | Guarantee::Statistical { .. }
             | Guarantee::Estimated { .. },
             _,
-        ) => Err("it is no single number".to_owned()),
+        ) => Err("it is not a single number".to_owned()),
     }
 }

@@ -96,7 +96,7 @@ impl<R: Read + Seek> Rows<R> {
             Ok(_) => Ok(None),
             Err(error) => Err(match error.into_kind() {
                 csv::ErrorKind::Io(error) => error.into(),
-                other => malformed(format!("it is no table in CSV ({other:?})")),
+                other => malformed(format!("it is not a table in CSV ({other:?})")),
             }),
         }
     }
@@ -250,7 +250,7 @@ impl<R: Read + Seek> CsvReader<R> {
                 return Ok(Some(()));
             }
             let column = &self.headers[self.time_column];
-            let problem = format!(", column \"{column}\": \"{time}\" is no time");
+            let problem = format!(", column \"{column}\": \"{time}\" is not a valid time");
             self.note(&problem, Some(1))?;
         }
         if self.rows.is_cut() {
@@ -277,8 +277,9 @@ impl<R: Read + Seek> CsvReader<R> {
         }
         for column in wrong {
             let (header, cell) = (&self.headers[column], self.rows.cell(column));
-            let problem =
-                format!(", column \"{header}\": \"{cell}\" is no number, so it counts as missing");
+            let problem = format!(
+                ", column \"{header}\": \"{cell}\" is not a number, so it counts as missing"
+            );
             self.note(&problem, None)?;
         }
         Ok(true)
@@ -393,7 +394,7 @@ fn format_of(
 ) -> Result<TimeFormat, ReadError> {
     TimeFormat::detect(header, first, options.time_unit).ok_or_else(|| {
         malformed(format!(
-            "the unit of the column \"{header}\" cannot be told from \"{first}\" in line {line}; state \
+            "the unit of the column \"{header}\" cannot be derived from \"{first}\" in line {line}; state \
              the unit (s, ms, us or ns), or call the column \"{header} [s]\""
         ))
     })

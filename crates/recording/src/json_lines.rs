@@ -255,7 +255,7 @@ impl<R: BufRead + Seek> JsonLinesReader<R> {
             let text = top.time.unwrap_or_default();
             let Some(format) = TimeFormat::detect(key, &text, options.time_unit) else {
                 return Err(self.malformed(format!(
-                    "the unit of \"{key}\" cannot be told from {text}; state the unit (s, ms, us or ns)"
+                    "the unit of \"{key}\" cannot be derived from {text}; state the unit (s, ms, us or ns)"
                 )));
             };
             (self.time_key, self.time_format) = (key.clone(), format);
@@ -285,12 +285,12 @@ impl<R: BufRead + Seek> JsonLinesReader<R> {
     fn read_line(&self) -> Result<(i64, String), String> {
         let number = self.lines.number;
         let top = Top::read(&self.lines.line, &self.time_key)
-            .map_err(|error| format!("line {number} is no JSON object ({error})"))?;
+            .map_err(|error| format!("line {number} is not a JSON object ({error})"))?;
         let time = top
             .time
             .ok_or_else(|| format!("line {number} has no \"{}\"", self.time_key))?;
         let nanos = self.time_format.nanos(&time);
-        let nanos = nanos.ok_or_else(|| format!("line {number}: {time} is no time"))?;
+        let nanos = nanos.ok_or_else(|| format!("line {number}: {time} is not a valid time"))?;
         Ok((nanos, top.topic.unwrap_or_else(|| LINE_TOPIC.to_owned())))
     }
 

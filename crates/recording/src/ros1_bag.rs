@@ -194,7 +194,7 @@ impl<R: Read + Seek> RosBagReader<R> {
         let problem = match content.problem.take() {
             Some(problem) => Some(problem),
             None if counts != info.counts => Some(format!(
-                "it holds {found} messages on {} connections, but the index tells {told} on {}",
+                "it holds {found} messages on {} connections, but the index says {told} on {}",
                 counts.len(),
                 info.counts.len()
             )),

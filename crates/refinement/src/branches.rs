@@ -7,6 +7,10 @@
 //! tried on all evidence ([`crate::structure`]), where the model disagrees strongly with counts. Of those that explain as much the
 //! ones come last that leave a constant of the model without any use: it was written to be used.
 //!
+//! # Assumes
+//! One branch is wrong, and all else of the model is right. The strengths take trials as independent, or at their effective
+//! size.
+//!
 //! # Guarantee
 //! All else of the text stays as it is written. What is offered was solved. Numbers that explain as well are offered behind, since
 //! they are free.
@@ -23,6 +27,8 @@ use crate::model_change::{
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
 use crate::structure::{Explaining, Tried};
+use crate::unreached::Place;
+use crate::unused::is_used;
 use evidence::{Evidence, Subject};
 use prism_lang::Span;
 use prism_lang::ast::{Command, ExprKind, Update};
@@ -70,11 +76,11 @@ impl Branch {
     /// The line of a model's text that holds it, from 1.
     #[must_use]
     pub fn line(&self, text: &str) -> Option<u32> {
-        let read = Read::new(text).ok()?;
-        let all = commands(&read.tree);
-        let span = all.get(self.command)?.updates.get(self.from)?.span;
-        let (line, _) = prism_lang::line_and_column(text, span.start);
-        u32::try_from(line).ok()
+        let place = Place {
+            command: self.command,
+            update: Some(self.from),
+        };
+        place.line(text)
     }
 
     /// What is done, in one clause.
@@ -174,14 +180,6 @@ fn sum(text: &str, one: &Update, other: &Update) -> Option<String> {
 
 /// Whether a constant of the model stands nowhere else in another text of it but where it is defined.
 fn leaves_unused(read: &Read<'_>, new: &str) -> bool {
-    let is_used = |text: &str, name: &str| {
-        let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        let code = text
-            .lines()
-            .map(|line| line.split("//").next().unwrap_or_default());
-        let words = code.flat_map(|line| line.split(|c: char| !is_part(c)));
-        words.filter(|word| *word == name).count() > 1
-    };
     let mut names = read.tree.constants.iter().map(|it| it.name.text.as_str());
     names.any(|name| is_used(read.text, name) && !is_used(new, name))
 }
@@ -249,15 +247,7 @@ impl Ground<'_> {
         let tried = solved(model, &read, (&subjects, before));
         let mut explaining = self.explaining(own, before, tried);
         explaining.sort_by_key(|it| leaves_unused(&read, &it.change.1));
-        let weight = |it: &(ModelChange, Changed)| {
-            self.weight_of_solved(own, before, it.1.at_last())
-                .unwrap_or(f64::NEG_INFINITY)
-        };
-        let most = found
-            .changes
-            .iter()
-            .map(weight)
-            .fold(f64::NEG_INFINITY, f64::max);
+        let most = self.heaviest(own, before, found.changes.iter().map(|it| &it.1));
         for subject in subjects {
             let of_subject = explaining
                 .iter()
@@ -338,8 +328,12 @@ fn place(
     let first = all.iter().position(is_same);
     if let (true, Some(at)) = (is_first, first) {
         let names: Vec<Alternative> = branches.iter().map(named).collect();
+        let numbers: Vec<Alternative> = all.iter().filter(|it| is_same(it)).map(named).collect();
         for (_, changed) in all.iter_mut().filter(|it| is_same(it)) {
             changed.alternatives.extend(names.iter().cloned());
+        }
+        for (_, changed) in &mut branches {
+            changed.alternatives.extend(numbers.iter().cloned());
         }
         all.splice(at..at, branches);
         return;

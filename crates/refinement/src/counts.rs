@@ -4,13 +4,22 @@
 //! What counted the real system (operation and experiments) comes before simulation; among equals what had more
 //! opportunities, then what is later in the ledger. It must hold under the same conditions, count the subject, and not be a step on the way, published
 //! evidence that other evidence of the study reproduces, or evidence that was itself set to the asset's.
+//!
+//! # Assumes
+//! What counted the real system is nearer to it than a simulation. Trials that are alike say as much as independent ones of
+//! their effective size.
+//!
+//! # Guarantee
+//! Counts that rest on the asset itself are never taken, so that nothing is fitted to its own output. [`Counts::p_value`] is the
+//! greatest over all that runs without a verdict may have shown.
 
 use evidence::{Evidence, Measure, Subject, Technique, WitnessOf};
 use schemars::JsonSchema;
 use serde::Serialize;
+use stats::{EffectiveSample, Sample, StatsError};
 
 /// Counts of a failure mode in one piece of evidence.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Counts {
     /// The evidence.
     pub evidence: String,
@@ -18,9 +27,26 @@ pub struct Counts {
     pub count: u64,
     /// Of how many opportunities.
     pub trials: u64,
+    /// All that it may be where runs reached no verdict, each with what it is worth in independent trials.
+    #[serde(skip)]
+    ends: Vec<(Sample, EffectiveSample)>,
 }
 
 impl Counts {
+    /// So many of independent trials.
+    ///
+    /// # Errors
+    /// [`stats::StatsError`] for more than there are trials.
+    pub fn of_independent(evidence: &str, count: u64, trials: u64) -> Result<Self, StatsError> {
+        let sample = Sample::new(count, trials)?;
+        Ok(Self {
+            evidence: evidence.to_owned(),
+            count,
+            trials,
+            ends: vec![(sample, sample.into())],
+        })
+    }
+
     /// What a piece of evidence counts of a subject.
     #[must_use]
     pub fn of(evidence: &[Evidence], id: &str, subject: &Subject) -> Option<Self> {
@@ -46,11 +72,20 @@ impl Counts {
         format!("{} of {} in {}", self.count, self.trials, self.evidence)
     }
 
-    /// The exact binomial p-value of a rate, given these counts.
+    /// The exact binomial p-value of a rate, given these counts at their effective size; the greatest over all that runs
+    /// without a verdict may have shown.
+    ///
+    /// ```
+    /// let counts = refinement::Counts::of_independent("E3", 9, 10)?;
+    /// assert!(counts.p_value(0.5).is_some_and(|p| (p - 0.0215).abs() < 1e-4));
+    /// # Ok::<(), stats::StatsError>(())
+    /// ```
     #[must_use]
     pub fn p_value(&self, rate: f64) -> Option<f64> {
-        let sample = stats::Sample::new(self.count, self.trials).ok()?;
-        Some(stats::binomial_test_two_sided(sample, rate.clamp(0.0, 1.0)))
+        let whole =
+            |(sample, worth): &(Sample, EffectiveSample)| stats::whole_counts(*sample, *worth);
+        let p = |whole| stats::binomial_test_two_sided(whole, rate.clamp(0.0, 1.0));
+        self.ends.iter().flat_map(whole).map(p).reduce(f64::max)
     }
 }
 
@@ -89,12 +124,14 @@ fn nearness(technique: Technique) -> Option<u8> {
 }
 
 fn counts(piece: &Evidence, subject: &Subject) -> Option<Counts> {
-    match piece.finding(subject)?.measure {
-        Measure::Counts { count, trials, .. } if trials > 0 => Some(Counts {
-            evidence: piece.id.clone(),
-            count,
-            trials,
-        }),
-        _ => None,
-    }
+    let finding = piece.finding(subject)?;
+    let Measure::Counts { count, trials, .. } = finding.measure else {
+        return None;
+    };
+    (trials > 0).then(|| Counts {
+        evidence: piece.id.clone(),
+        count,
+        trials,
+        ends: finding.may_be().filter_map(Measure::at_its_worth).collect(),
+    })
 }

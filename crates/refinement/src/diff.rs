@@ -5,6 +5,12 @@
 //! the common end (Wagner and Fischer 1974), in hunks with three lines around,
 //! in the form of `diff -u`. Cost: product of the two middles' lengths; a
 //! middle of more than 4 million pairs is shown as replaced.
+//!
+//! # Assumes
+//! Nothing of the data.
+//!
+//! # Guarantee
+//! `patch` makes the new text of the old one; of middles that are compared no diff has fewer changed lines.
 
 use std::fmt::Write;
 

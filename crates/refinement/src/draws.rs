@@ -11,6 +11,12 @@
 //! Deviation from the semantics: guards are read as far as they are conjunctions
 //! themselves, so an update may be found that in fact is never taken. A change
 //! that is made there is solved before it is offered, which shows it.
+//!
+//! # Assumes
+//! Nothing of the data.
+//!
+//! # Guarantee
+//! An update that makes the formula true by an assignment is found if the formula and its guard are such conjunctions; others are not.
 
 use prism_lang::ast::{
     BinaryOp, Command, Expr, ExprKind, Formula, Model, ModuleBody, UnaryOp, Update,
@@ -86,6 +92,24 @@ fn collect(expr: &Expr, formulas: &[Formula], into: &mut Vec<Equality>) -> bool 
 pub fn of_guard(command: &Command, formulas: &[Formula]) -> Vec<Equality> {
     let mut found = Vec::new();
     collect(&command.guard, formulas, &mut found);
+    found
+}
+
+/// The equalities that a guard names, in any of its cases.
+pub fn named_in_guard(command: &Command, formulas: &[Formula]) -> Vec<Equality> {
+    fn cases(expr: &Expr, formulas: &[Formula], into: &mut Vec<Equality>) {
+        match &expr.kind {
+            ExprKind::Binary(BinaryOp::And | BinaryOp::Or, left, right) => {
+                cases(left, formulas, into);
+                cases(right, formulas, into);
+            }
+            _ => {
+                collect(expr, formulas, into);
+            }
+        }
+    }
+    let mut found = Vec::new();
+    cases(&command.guard, formulas, &mut found);
     found
 }
 

@@ -5,14 +5,31 @@
 //! * *Occurrences*: two rows of a table `mode,occurrences,...` get each other's occurrences, and keep all else;
 //! * *Headers*: two columns of a table get each other's header;
 //! * *Codes*: in one column of a table two codes get each other's place;
-//! * *Columns*: two propositions of a vocabulary count each other's column.
+//! * *Columns*: two propositions of a vocabulary count each other's column;
+//! * *Entries*: two entries of a ledger get each other's files ([`FILES`]).
+//!
+//! # Assumes
+//! Nothing of the data.
 //!
 //! # Guarantee
 //! All else of the text stays as it is written. Made twice, an exchange gives the text that was there before.
 
-use crate::toml_text::{get, span_of, table_of};
+use crate::toml_text::{Table, get, span_of, table_of, with_id};
 use prism_lang::edit::{self, Edit};
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
+
+/// The keys of an entry that name what it is made of.
+const FILES: [&str; 9] = [
+    "model",
+    "tree",
+    "events",
+    "scenario",
+    "parameters",
+    "scene",
+    "stimulus",
+    "recordings",
+    "tables",
+];
 
 /// What of a text changes places.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,6 +68,11 @@ pub enum Exchange {
         /// The propositions.
         propositions: [String; 2],
     },
+    /// The files of two entries of a ledger.
+    Entries {
+        /// The entries' identifiers.
+        ids: [String; 2],
+    },
 }
 
 impl Exchange {
@@ -59,6 +81,16 @@ impl Exchange {
     /// # Errors
     /// Why it cannot be made, in one sentence.
     pub fn make(&self, text: &str) -> Result<String, String> {
+        let is_table = !matches!(self, Self::Columns { .. } | Self::Entries { .. });
+        let (before, text) = match is_table {
+            true => text.split_at(header_of(text)),
+            false => ("", text),
+        };
+        Ok(before.to_owned() + &self.make_behind(text)?)
+    }
+
+    /// The text after the exchange, of a table from its header on.
+    fn make_behind(&self, text: &str) -> Result<String, String> {
         match self {
             Self::Names { modes } => cells(text, modes, 0),
             Self::Occurrences { modes } => {
@@ -75,8 +107,22 @@ impl Exchange {
             Self::InRows { headers, rows } => in_rows(text, headers, rows),
             Self::Codes { header, codes } => self::codes(text, header, codes),
             Self::Columns { propositions } => columns(text, propositions),
+            Self::Entries { ids } => entries(text, ids),
         }
     }
+}
+
+/// Where the header of a table begins, behind comments and empty lines.
+fn header_of(text: &str) -> usize {
+    let mut at = 0;
+    for line in text.split_inclusive('\n') {
+        let is_before = line.trim().is_empty() || line.trim_start().starts_with('#');
+        if !is_before {
+            return at;
+        }
+        at += line.len();
+    }
+    0
 }
 
 /// The place of a header in the first line.
@@ -190,6 +236,56 @@ fn columns(text: &str, propositions: &[String; 2]) -> Result<String, String> {
     edit::apply(text, &edits).map_err(|error| error.to_string())
 }
 
+/// Two entries of a ledger get each other's files, key by key.
+fn entries(text: &str, ids: &[String; 2]) -> Result<String, String> {
+    let document = DeTable::parse(text).map_err(|error| error.to_string())?;
+    let files = |id: &String| {
+        let entry = with_id(document.get_ref(), &["evidence"], id);
+        let entry = entry.ok_or_else(|| format!("the ledger has no entry `{id}`"))?;
+        let mut found = Vec::new();
+        for key in FILES {
+            if let Some(value) = get(entry, key) {
+                leaves(key, value, &mut found);
+            }
+        }
+        Ok::<_, String>(found)
+    };
+    let [one, other] = [files(&ids[0])?, files(&ids[1])?];
+    let keys = |of: &[(String, prism_lang::Span)]| -> Vec<String> {
+        of.iter().map(|(key, _)| key.clone()).collect()
+    };
+    if keys(&one) != keys(&other) || one.is_empty() {
+        let [one, other] = ids;
+        return Err(format!(
+            "`{one}` and `{other}` do not name their files by the same keys"
+        ));
+    }
+    let mut edits = Vec::new();
+    for ((_, of_one), (_, of_other)) in one.into_iter().zip(other) {
+        let written = |at: prism_lang::Span| text[at.start..at.end].to_owned();
+        edits.push(Edit::replace(of_one, written(of_other)));
+        edits.push(Edit::replace(of_other, written(of_one)));
+    }
+    edit::apply(text, &edits).map_err(|error| error.to_string())
+}
+
+/// The values below a key, each with its own key and its place, in the order of the keys.
+fn leaves(
+    key: &str,
+    value: &toml::Spanned<DeValue<'_>>,
+    found: &mut Vec<(String, prism_lang::Span)>,
+) {
+    match value.get_ref() {
+        DeValue::Table(table) => {
+            let table: &Table<'_> = table;
+            for (name, value) in table.iter() {
+                leaves(&format!("{key}.{}", name.get_ref()), value, found);
+            }
+        }
+        _ => found.push((key.to_owned(), span_of(value))),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::Exchange;
@@ -242,7 +338,11 @@ mod tests {
         let text = "person,ok,attempts,n_slip,n_gaze\n1,6,10,3,1\n";
         let headers = pair("n_slip", "n_gaze");
         let swapped = "person,ok,attempts,n_gaze,n_slip\n1,6,10,3,1\n";
-        gives(&Exchange::Headers { headers }, text, swapped);
+        let exchange = Exchange::Headers { headers };
+        gives(&exchange, text, swapped);
+        // Comments and empty lines may stand before the header.
+        let commented = |text: &str| format!("# by day, \"as it was\"\n\n{text}");
+        gives(&exchange, &commented(text), &commented(swapped));
         let text = "person,codes,attempts\n1,G2 S0 G2,10\n2,,10\n3,S0,9\n";
         let exchange = Exchange::Codes {
             header: "codes".into(),
@@ -263,5 +363,19 @@ mod tests {
         };
         gives(&exchange("a", "b"), text, swapped);
         assert!(exchange("a", "c").make(text).is_err());
+    }
+    #[test]
+    fn entries_get_each_others_files() {
+        let text = "[[evidence]]\nid = \"T1\"\nconditions = \"calm\"\ntables = { cohort = \"a.csv\", requirements = 'b.csv' }\n\n\
+                    [[evidence]]\nid = \"T2\"\ntables.cohort = \"c.csv\"\ntables.requirements = \"d.csv\"\n";
+        let swapped = "[[evidence]]\nid = \"T1\"\nconditions = \"calm\"\ntables = { cohort = \"c.csv\", requirements = \"d.csv\" }\n\n\
+                       [[evidence]]\nid = \"T2\"\ntables.cohort = \"a.csv\"\ntables.requirements = 'b.csv'\n";
+        let exchange = |one, other| Exchange::Entries {
+            ids: pair(one, other),
+        };
+        gives(&exchange("T1", "T2"), text, swapped);
+        assert!(exchange("T1", "T3").make(text).is_err());
+        let other = format!("{text}\n[[evidence]]\nid = \"T3\"\ntables.cohort = \"e.csv\"\n");
+        assert!(exchange("T1", "T3").make(&other).is_err());
     }
 }

@@ -6,6 +6,9 @@
 //! A form that was written by hand and says something else than the requirement's sentence is taken out
 //! ([`FormChange::Derived`]): the form that follows from the sentence takes its place. Guarantee: what is left of the
 //! file has the same values as before, else the change is refused.
+//!
+//! # Assumes
+//! The sentence is what is meant.
 
 use crate::toml_text::{Table, get, number, span_of, table_of, with_id, without};
 use prism_lang::edit::{self, Edit};
@@ -111,7 +114,7 @@ fn reading_edits(
 ) -> Result<Vec<Edit>, String> {
     let table = subject(document, requirement)?;
     let main = table_of(table, "monitor").ok_or("its monitor is not written by hand")?;
-    let other = reading_of(table, reading).ok_or("the reading is no monitor")?;
+    let other = reading_of(table, reading).ok_or("the reading is not a monitor")?;
     let keys = |table: &Table| -> Vec<String> {
         let all = table.keys().map(|key| key.get_ref().to_string());
         all.collect()

@@ -21,6 +21,8 @@ mod structure;
 mod text_change;
 mod toml_text;
 mod trial;
+mod unreached;
+mod unused;
 
 pub use branches::Branch;
 pub use counts::{Counts, anchors};
@@ -40,3 +42,5 @@ pub use rewritten::{Rewritten, RewrittenOffer};
 pub use structure::FREE_VALUE;
 pub use text_change::{TextChange, steps};
 pub use trial::{Touch, Trial};
+pub use unreached::{Place, Word};
+pub use unused::Split;

@@ -23,11 +23,16 @@
 //!   opportunity's proposition says; if there are none, those that leave the
 //!   variable's initial value, then the others, in the order of the text. Where
 //!   no command as a whole gives the counted rate, one of its updates is divided
-//!   instead, so that what is tried again is not counted again.
+//!   instead, so that what is tried again is not counted again. A state that a requirement names and nothing leads to gets its branch
+//!   likewise ([`crate::unreached`]).
 //! * *Branchless*: a branch of a command is taken out, and its probability goes to another one ([`crate::branches`]).
+//! * *Split*: a branch is put in for which a constant was written that nothing uses ([`crate::unused`]).
 //! * *Once*: if the constant has the counted share and the model's rate for the
 //!   failure differs all the same, the model draws more than once where the
 //!   counts have one opportunity. The commands are taken once.
+//!
+//! # Assumes
+//! One change is enough: all else of the model is right. The share that was counted is taken for the rate.
 //!
 //! # Guarantee
 //! A branch, a constant of an expression and a draw made once are solved, and only offered if the model's
@@ -39,6 +44,7 @@
 mod branching;
 mod solving;
 
+pub(crate) use branching::solve_branch;
 pub(crate) use solving::{
     AS_GOOD, FARTHEST, digits, once_or_solve, rate_or_solve, solved, with_interval,
 };
@@ -47,7 +53,10 @@ use crate::branches::{self, Branch};
 use crate::counts::Counts;
 use crate::draws::{Draw, Equality, draws, equalities, names_of};
 use crate::number::Number;
+use crate::solve::Scale;
 use crate::structure::FREE_VALUE;
+use crate::unreached::{self, Place};
+use crate::unused::{self, Split};
 use evidence::Subject;
 use prism_lang::ast::{ExprKind, Model};
 use prism_lang::{Constants, Value, edit, resolved};
@@ -92,14 +101,18 @@ pub enum ModelChange {
         /// What was counted.
         counts: Counts,
     },
-    /// Put in a failure that the model does not know.
+    /// Put in what the model does not know: a failure, or a state that a requirement names.
     Branch {
-        /// The failure mode.
-        mode: String,
-        /// Its proposition, with a value that the model does not have.
+        /// The failure mode or requirement.
+        subject: Subject,
+        /// What can happen then, in one word of the study.
+        name: String,
+        /// Its proposition, with a value that no update gives the variable.
         occurs: String,
         /// The proposition of its opportunity.
         after: Option<String>,
+        /// Where it is put in, its probability solved for; else where the counted share gives the rate.
+        at: Option<Place>,
         /// What was counted.
         counts: Counts,
     },
@@ -109,6 +122,17 @@ pub enum ModelChange {
         subject: Subject,
         /// The branch.
         branch: Branch,
+        /// What was counted.
+        counts: Counts,
+        /// Of how many such changes that move a value.
+        tried: usize,
+    },
+    /// Put in the branch that a constant was written for.
+    Split {
+        /// The failure mode or requirement that it explains.
+        subject: Subject,
+        /// The branch.
+        split: Split,
         /// What was counted.
         counts: Counts,
         /// Of how many such changes that move a value.
@@ -215,19 +239,24 @@ impl<'a> Read<'a> {
         }
     }
 
-    fn equalities(&self, text: &str) -> Result<Vec<Equality>, Refusal> {
+    pub(crate) fn equalities(&self, text: &str) -> Result<Vec<Equality>, Refusal> {
         equalities(text, &self.tree.formulas)
-            .ok_or_else(|| format!("`{text}` is no conjunction of `variable=value`"))
+            .ok_or_else(|| format!("`{text}` must be a conjunction of `variable=value`"))
     }
 
     /// The constants that can be probabilities between 0 and 1, in the order of the text.
-    fn chances(&self) -> Vec<String> {
+    pub(crate) fn chances(&self) -> Vec<String> {
         let names = self.tree.constants.iter().map(|it| it.name.text.clone());
         let is_chance = |name: &String| {
             matches!(self.model.constant(name), Some(Value::Double(_)))
                 && self.constant(name).is_some_and(|it| it > 0.0 && it < 1.0)
         };
         names.filter(is_chance).collect()
+    }
+
+    /// Whether some command makes a proposition true, as far as it can be read.
+    pub(crate) fn comes_to(&self, occurs: &str) -> bool {
+        self.equalities(occurs).is_err() || self.draws(occurs).is_ok()
     }
 
     fn draws(&self, occurs: &str) -> Result<Vec<Draw<'_>>, Refusal> {
@@ -251,9 +280,9 @@ fn deciding_constant(text: &str, occurs: &str) -> Result<(String, f64), Refusal>
         Deciding::Constant(name) => read
             .constant(&name)
             .map(|value| (name.clone(), value))
-            .ok_or_else(|| format!("`{name}` is no constant with a value")),
+            .ok_or_else(|| format!("`{name}` is not a constant with a value")),
         Deciding::Expression(names) => Err(match names.as_slice() {
-            [] => "its probability is no constant of the model".into(),
+            [] => "its probability is not a constant of the model".into(),
             several => format!("{} decide it together", several.join(", ")),
         }),
         Deciding::Certain => Err(CERTAIN.into()),
@@ -299,8 +328,7 @@ fn deciding(read: &Read, occurs: &str) -> Result<Deciding, Refusal> {
 
 /// Whether some command makes a proposition true, as far as it can be read.
 pub(crate) fn comes_to(text: &str, occurs: &str) -> bool {
-    let read = Read::new(text);
-    read.is_ok_and(|read| read.equalities(occurs).is_err() || read.draws(occurs).is_ok())
+    Read::new(text).is_ok_and(|read| read.comes_to(occurs))
 }
 
 /// Whether the constant that decides a proposition has the counted share already, so that only how often it is
@@ -323,18 +351,22 @@ impl ModelChange {
     #[must_use]
     pub fn subject(&self) -> Subject {
         match self {
-            Self::Rate { mode, .. } | Self::Branch { mode, .. } | Self::Once { mode, .. } => {
-                Subject::FailureMode(mode.clone())
-            }
-            Self::Solve { subject, .. } | Self::Branchless { subject, .. } => subject.clone(),
+            Self::Rate { mode, .. } | Self::Once { mode, .. } => Subject::FailureMode(mode.clone()),
+            Self::Solve { subject, .. }
+            | Self::Branch { subject, .. }
+            | Self::Split { subject, .. }
+            | Self::Branchless { subject, .. } => subject.clone(),
         }
     }
 
     /// The name of what [`Self::subject`] is.
     pub fn mode(&self) -> &str {
         match self {
-            Self::Rate { mode, .. } | Self::Branch { mode, .. } | Self::Once { mode, .. } => mode,
-            Self::Solve { subject, .. } | Self::Branchless { subject, .. } => subject.id(),
+            Self::Rate { mode, .. } | Self::Once { mode, .. } => mode,
+            Self::Solve { subject, .. }
+            | Self::Branch { subject, .. }
+            | Self::Split { subject, .. }
+            | Self::Branchless { subject, .. } => subject.id(),
         }
     }
 
@@ -345,6 +377,7 @@ impl ModelChange {
             | Self::Solve { counts, .. }
             | Self::Branch { counts, .. }
             | Self::Branchless { counts, .. }
+            | Self::Split { counts, .. }
             | Self::Once { counts, .. } => counts,
         }
     }
@@ -354,10 +387,25 @@ impl ModelChange {
     #[must_use]
     pub fn cost(&self) -> f64 {
         match self {
-            Self::Branchless { tried, .. } => ((*tried).max(1) as f64).log10(),
+            Self::Branchless { tried, .. } | Self::Split { tried, .. } => {
+                ((*tried).max(1) as f64).log10()
+            }
             Self::Rate { .. } | Self::Solve { .. } | Self::Branch { .. } | Self::Once { .. } => {
                 FREE_VALUE
             }
+        }
+    }
+
+    /// Whether a branch that is lacking is put in where nothing else explains more: which place it has is for who knows the system.
+    #[must_use]
+    pub fn is_of_lacking_branch(&self) -> bool {
+        match self {
+            Self::Branch { at, .. } => at.is_some(),
+            Self::Split { .. } => true,
+            Self::Rate { .. }
+            | Self::Solve { .. }
+            | Self::Branchless { .. }
+            | Self::Once { .. } => false,
         }
     }
 
@@ -383,8 +431,12 @@ impl ModelChange {
                 Ok(with_interval(text, solver, made).1)
             }
             Self::Once { mode, occurs, .. } => once(text, solver, mode, occurs),
+            Self::Branch {
+                at: Some(place), ..
+            } => unreached::at_place(text, solver, self, *place),
             Self::Branch { .. } => self.branch(text, solver),
             Self::Branchless { branch, .. } => branches::without(text, solver, branch),
+            Self::Split { split, .. } => unused::with(text, solver, split),
         }
     }
 }
@@ -418,6 +470,15 @@ fn rate(
     let mut best: Option<(f64, Changed)> = None;
     for is_complement in [false, true] {
         for name in &names {
+            // That a constant is 1 minus the share is only meant where it is nearer to that.
+            let share = counts.rate();
+            let is_meant = read.constant(name).is_none_or(|now| {
+                let [own, other] = [share, 1.0 - share].map(|it| Scale::Odds.distance(now, it));
+                !is_complement || other <= own
+            });
+            if !is_meant {
+                continue;
+            }
             let Ok(changed) = set(&read, solver, name, is_complement, counts) else {
                 continue;
             };

@@ -4,17 +4,27 @@
 //! For each failure mode: if the model cannot express it, or no command leads to it, and it was counted, a branch
 //! ([`ModelChange::Branch`]). Else,
 //! if its rate is farther than the declared margin from the counts that it may be set to ([`anchors`], the first of them), or
-//! their exact binomial p-value is below the study's level, divided by the number of failure modes where no other evidence
-//! disagrees strongly with the rate: the constant set to the counted share or, where
+//! their exact binomial p-value is below the study's level, divided, where no other evidence disagrees strongly with the rate, by
+//! the number of failure modes or of the study's comparisons, whichever is larger: the constant set to the counted share or, where
 //! that does not give the rate, solved for; or, if it has the share already, the draw made once, else solved for. Then the
 //! same for requirements that this leaves in disagreement ([`crate::requirement_rates`]). Branches of commands that should not be
-//! there are tried where anything disagrees strongly ([`crate::branches`]).
+//! there are tried where anything disagrees strongly ([`crate::branches`]), and so are those to states that a proposition names and
+//! nothing leads to ([`crate::unreached`]), and those for which a constant was written that nothing uses ([`crate::unused`]).
+//!
+//! # Assumes
+//! One change is enough for each failure mode. The p-value takes all trials as independent ([`Counts::p_value`]), at one
+//! look.
+//!
+//! # Guarantee
+//! Each change gives the rate that it promises when the model is solved again, or is refused with the reason. That the system is so is
+//! not shown: counts fit other changes, too.
 
 use crate::counts::{Counts, anchors};
 use crate::model_change::{
     Changed, ModelChange, SAME, Solver, Values, comes_to, is_set_to, once_or_solve, rate_of,
     rate_or_solve,
 };
+use crate::unreached::Word;
 use evidence::{Comparison, Evidence, FailureMode, Requirement, STRONG, Subject};
 
 /// A study's evidence, and what it declares.
@@ -52,6 +62,8 @@ pub struct Model<'a> {
     pub text: &'a str,
     /// The questions.
     pub asked: &'a [Asked],
+    /// The propositions that they and the properties of requirements ask for.
+    pub words: &'a [Word],
     /// Answers them for other texts of it.
     pub solver: &'a dyn Solver,
     /// How many states it has, if that is known: what costs many solutions is only tried on models that are small enough.
@@ -94,7 +106,7 @@ impl Ground<'_> {
                 }
             });
             match made {
-                // Two failures may be mended by one change.
+                // Two failures may be fixed by one change.
                 Ok((_, changed)) if found.changes.iter().any(|(_, o)| o.text == changed.text) => {}
                 Ok(made) => found.changes.push(made),
                 Err(reason) => found.refused.push(format!(
@@ -106,6 +118,8 @@ impl Ground<'_> {
         }
         self.of_requirements(model, before, &mut found);
         self.of_branches(model, before, &mut found);
+        self.of_unreached(model, before, &mut found);
+        self.of_unused(model, before, &mut found);
         found
     }
 
@@ -130,9 +144,11 @@ impl Ground<'_> {
         let Some(rate) = rate else {
             let counts = counted.into_iter().find(|it| it.count > 0)?;
             return Some(Ok(ModelChange::Branch {
-                after: asked.after.clone(),
-                mode,
+                subject: Subject::FailureMode(mode.clone()),
+                name: mode,
                 occurs,
+                after: asked.after.clone(),
+                at: None,
                 counts,
             }));
         };
@@ -146,12 +162,15 @@ impl Ground<'_> {
     fn differs(&self, own: &Evidence, rate: f64, counts: &Counts, mode: &str) -> bool {
         let subject = Subject::FailureMode(mode.to_owned());
         let is_disputed = self.strongest(own, &subject, Some(rate)) > STRONG;
-        let margin = self.failure_modes.iter().find(|m| m.id == mode);
-        let margin = margin.map_or(0.0, |m| m.margin);
+        let margin = evidence::margin_of(&[], self.failure_modes, &subject);
         let distance = (rate - counts.rate()).abs();
+        let compared = self
+            .comparisons
+            .iter()
+            .filter(|it| it.p_difference.is_some());
         let tests = match is_disputed {
             true => 1,
-            false => self.failure_modes.len().max(1),
+            false => self.failure_modes.len().max(compared.count()).max(1),
         };
         let level = (1.0 - self.confidence) / tests as f64;
         let is_unlikely = counts.p_value(rate).is_some_and(|p| p < level);

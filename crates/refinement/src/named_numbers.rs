@@ -5,6 +5,9 @@
 //! number stands the end of the line, or one of `;`, `,` and the beginning of a comment, so that a factor of an expression
 //! is not one. Comments begin with `#` or `//`. Quotes around the name are left out.
 //!
+//! # Assumes
+//! Nothing of the data.
+//!
 //! # Guarantee
 //! Only the number's digits are replaced; all else of the text stays as it is written. What the number means to the
 //! program is not known: that is found by running it.

@@ -6,6 +6,9 @@
 //! digits; where all probabilities of the command are literals, in the one update, and the others share what is left of 1 in
 //! their old proportions. Of two literals that make up 1 only the first counts: the other says the same.
 //!
+//! # Assumes
+//! Nothing of the data.
+//!
 //! # Guarantee
 //! All else of the text stays as it is written. Whether the model is valid with a value is found by solving it.
 

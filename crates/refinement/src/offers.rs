@@ -12,8 +12,9 @@
 //! | simulation | its parameters fitted to the counts of the failure modes that it is named for, if it is likelier than not the odd one out |
 //! | data | two failure modes change places, in all texts that count them, if that explains what the table differs in |
 //!
-//! *Two failure modes* or *two requirements* of a table were mixed up as [`evidence::mixed_up`] defines it, its *columns* as
-//! [`evidence::exchanged_columns`] does.
+//! Pieces that changed places with each other ([`evidence::changed_places`]) are offered to do so in the ledger, before all else.
+//!
+//! What of a table was exchanged is what [`evidence::exchanged`] finds.
 //!
 //! A simulation that nothing is held against is offered the same fit if a failure mode's counts differ from those it may be
 //! set to with a p-value below the study's level, as a model's rate is ([`Ground::of_model`]).
@@ -22,6 +23,12 @@
 //! the offer.
 //!
 //! Other engines and vocabularies have no offer: which of two is right is nothing that the evidence says.
+//!
+//! # Assumes
+//! The suspect is what is wrong. The p-value takes all trials as independent (`Counts::p_value`).
+//!
+//! # Guarantee
+//! Nothing is applied here. A change of a model that makes other evidence conflict comes behind all that does not, and is marked.
 
 use crate::counts::{Counts, anchors};
 use crate::form_change::FormChange;
@@ -30,7 +37,7 @@ use crate::model_offers::{Ground, Model};
 use crate::text_change::{TextChange, steps};
 use crate::trial::Trial;
 use evidence::{
-    Evidence, Measure, Subject, Suspect, SuspectKind, Symptom, exchanged_columns, mixed_up,
+    Evidence, Exchanged, Measure, Subject, Suspect, SuspectKind, Symptom, changed_places, exchanged,
 };
 
 /// The part of the margin that may be left of a step's error.
@@ -75,6 +82,11 @@ pub enum Offer {
         modes: [Subject; 2],
         /// Whether their opportunities change places, too.
         is_whole: bool,
+    },
+    /// What two entries of the ledger are made of changes places.
+    Entries {
+        /// The evidence of the two, in the order of the ledger.
+        evidence: [String; 2],
     },
     /// A simulation's parameters are fitted.
     Parameters {
@@ -159,13 +171,18 @@ impl OfModel<'_> {
             Some(subjects) => {
                 let place = |(change, _, trial): &(ModelChange, Changed, Trial)| {
                     let own = |subject: &Subject| *subject == change.subject();
+                    // They are offered only where no change weighs more.
+                    if change.is_of_lacking_branch() && subjects.iter().any(own) {
+                        return Some(0);
+                    }
                     let repairs = |subject: &Subject| {
                         let mut touched = trial.repairs.iter();
                         touched.any(|touch| &touch.subject == subject)
                     };
                     let by_repair = || subjects.iter().position(repairs);
-                    let by_repair = || Some(subjects.len() + by_repair()?);
-                    subjects.iter().position(own).or_else(by_repair)
+                    let by_repair = || Some(1 + subjects.len() + by_repair()?);
+                    let own = subjects.iter().position(own).map(|at| at + 1);
+                    own.or_else(by_repair)
                 };
                 let (mut own, rest): (Vec<_>, Vec<_>) =
                     all.into_iter().partition(|it| place(it).is_some());
@@ -232,7 +249,7 @@ impl<'m> Asking<'m> {
 }
 
 impl<'g> Ground<'g> {
-    /// What is offered against the suspects that nothing has mended, the first suspect's first; then what else the
+    /// What is offered against the suspects that nothing has fixed, the first suspect's first; then what else the
     /// failures of the models and of the simulations ask for. What does harm ([`Ranked::is_harmful`]) comes behind all
     /// that does none. `models` and `simulations` are those that may be changed.
     ///
@@ -305,8 +322,12 @@ impl<'g> Ground<'g> {
         asking: &mut Asking<'_>,
         simulations: &[&str],
     ) -> Result<Vec<(Offer, Option<Trial>)>, String> {
+        let mut first = self.of_places(suspect);
         let offers = match suspect.asset.kind {
-            SuspectKind::FormalModel => return self.of_formal(suspect, asking),
+            SuspectKind::FormalModel => {
+                first.extend(self.of_formal(suspect, asking)?);
+                return Ok(first);
+            }
             SuspectKind::Property | SuspectKind::Monitor => self.of_form(suspect),
             SuspectKind::Solver => self.of_solver(suspect),
             SuspectKind::TimeStep => self.of_step(suspect),
@@ -314,7 +335,28 @@ impl<'g> Ground<'g> {
             SuspectKind::Data => self.of_data(suspect),
             SuspectKind::Vocabulary | SuspectKind::Engine | SuspectKind::TimeScale => Vec::new(),
         };
-        Ok(offers.into_iter().map(|offer| (offer, None)).collect())
+        first.extend(offers.into_iter().map(|offer| (offer, None)));
+        Ok(first)
+    }
+
+    /// The entries with which those of a suspect changed places.
+    fn of_places(&self, suspect: &Suspect) -> Vec<(Offer, Option<Trial>)> {
+        if suspect.asset.kind != SuspectKind::Data {
+            return Vec::new();
+        }
+        let margin = |subject: &Subject| self.margin(subject);
+        let place = |id: &String| self.evidence.iter().position(|it| &it.id == id);
+        let offer = |piece: &Evidence| {
+            let other = changed_places(self.evidence, piece, &margin)?;
+            let mut evidence = [piece.id.clone(), other.id.clone()];
+            evidence.sort_by_key(place);
+            let is_accused = suspect.asset.evidence.contains(&other.id);
+            is_accused.then_some((Offer::Entries { evidence }, None))
+        };
+        let mut found: Vec<(Offer, Option<Trial>)> =
+            self.pieces(suspect).filter_map(offer).collect();
+        found.dedup();
+        found
     }
 
     /// The pieces that rest on a suspect, the latest first.
@@ -327,13 +369,7 @@ impl<'g> Ground<'g> {
     /// The declared margin of a subject.
     #[must_use]
     pub fn margin(&self, subject: &Subject) -> f64 {
-        let modes = self.failure_modes.iter().map(|m| (&m.id, m.margin));
-        let requirements = self.requirements.iter().map(|r| (&r.id, r.margin));
-        let margin = match subject {
-            Subject::FailureMode(id) => modes.into_iter().find(|(own, _)| *own == id),
-            Subject::Requirement(id) => requirements.into_iter().find(|(own, _)| *own == id),
-        };
-        margin.map_or(0.0, |(_, margin)| margin)
+        evidence::margin_of(self.requirements, self.failure_modes, subject)
     }
 
     /// What the latest model that the suspect rests on asks for on what the suspect is named for.
@@ -517,17 +553,18 @@ impl<'g> Ground<'g> {
         let margin = |subject: &Subject| self.margin(subject);
         let offers = pieces.filter_map(|piece| {
             let evidence = piece.id.clone();
-            if let Some(found) = exchanged_columns(self.evidence, piece, &margin) {
-                let rows = found.rows.iter().filter(|_| !found.are_all);
-                let rows = rows.map(|subject| subject.id().to_owned()).collect();
-                return Some(Offer::Columns { evidence, rows });
+            match exchanged(self.evidence, piece, &margin)? {
+                Exchanged::Columns(found) => {
+                    let rows = found.rows.iter().filter(|_| !found.are_all);
+                    let rows = rows.map(|subject| subject.id().to_owned()).collect();
+                    Some(Offer::Columns { evidence, rows })
+                }
+                Exchanged::Names(found) => Some(Offer::Exchange {
+                    evidence,
+                    modes: found.modes.map(Subject::clone),
+                    is_whole: found.is_whole,
+                }),
             }
-            let found = mixed_up(self.evidence, piece, &margin)?;
-            Some(Offer::Exchange {
-                evidence,
-                modes: found.modes.map(Subject::clone),
-                is_whole: found.is_whole,
-            })
         });
         offers.collect()
     }

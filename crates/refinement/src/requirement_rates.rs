@@ -2,10 +2,13 @@
 //!
 //! # Definition
 //! For each requirement on which the model disagrees strongly ([`evidence::STRONG`]) with the counts that it may be set to
-//! ([`anchors`], the first of them), and which no change for a failure mode mends: every number of the model that can be
+//! ([`anchors`], the first of them), and which no change for a failure mode fixes: every number of the model that can be
 //! moved ([`Number`]), but constants that the ledger says were set to counts, or that are computed from these, is solved for ([`crate::solve`]) so that the
 //! model has the counted rate; not where the property judges some run otherwise than its sentence. Those that leave least disagreement with all evidence are offered, the smallest change first; where several
 //! leave as much (to within [`AS_GOOD`] decades) each says so.
+//!
+//! # Assumes
+//! One number is wrong, and all else of the model is right. The share that was counted is taken for the rate.
 //!
 //! # Source and guarantee
 //! The method of difference (J. S. Mill, 1843), with one free number: that it makes one requirement agree says little, that

@@ -5,6 +5,12 @@
 //!
 //! # Cost
 //! One computation of each text.
+//!
+//! # Assumes
+//! One change is enough: all else of the text is right.
+//!
+//! # Guarantee
+//! What is offered was computed, not estimated. That nothing else explains as much is not shown.
 
 use crate::counts::{Counts, anchors};
 use crate::model_change::{Solver, Values};

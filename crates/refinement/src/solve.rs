@@ -12,6 +12,10 @@
 //! M. Dowell, P. Jarratt, "A modified regula falsi method for computing the root of an equation", BIT 11 (1971); C. J.
 //! Clopper, E. S. Pearson, Biometrika 26 (1934).
 //!
+//! # Assumes
+//! The share that was counted is taken for the rate. Its interval takes all trials as independent, and is one of the
+//! constant where the rate is monotone in it.
+//!
 //! # Cost and guarantee
 //! Some ten solutions of the model for each value. Where the model's transitions stay the same, `f` is a quotient of
 //! polynomials and continuous, so that an enclosed crossing is a solution; of several, the one next to the present

@@ -9,6 +9,9 @@
 //! * what goes away on them, less what comes up anywhere else; more than [`STRONG`] has to go away on the whole, and no more
 //!   than that may come up;
 //! * how well all agree on them then: of each the evidence for one rate of its weakest pair;
+//! * less [`FREE_VALUE`] if the values are not near to what was counted: by [`NEARER`] of the margin the evidence on one of the
+//!   subjects speaks for a difference, or the exact binomial tests of the counts reject the value at [`UNLIKELY`]. What has no free
+//!   number has to give the rates as they are, not only within a margin;
 //! * less [`FREE_VALUE`] if a number was solved for, which makes one rate agree whatever the truth is; less the decades of
 //!   the number of kinds of changes, and of the changes of its own kind that move a value at all, if nothing was.
 //!
@@ -19,14 +22,18 @@
 //! that agree with the counts: the same strengths with [`NEARER`] of the margins, which tell values apart that the margins do not; of a
 //! model at most [`OF_MODEL`].
 //!
+//! # Assumes
+//! One change is enough, and changes of one kind are equally likely before. What a free number costs is a guess
+//! ([`FREE_VALUE`]). The strengths take trials as independent, or at their effective size.
+//!
 //! # Source and guarantee
 //! As for single edits of texts: the method of difference (J. S. Mill, 1843), and Bayes factors with the correction for the number
 //! of hypotheses (H. Jeffreys, "Theory of Probability", 1961, section 5.04). What is offered was computed, and may still be
 //! wrong: two changes of structure that lead to values within the margins of each other cannot be told apart by them.
 
-use crate::model_change::{AS_GOOD, Values, value_of};
+use crate::model_change::{AS_GOOD, Changed, Values, value_of};
 use crate::model_offers::Ground;
-use evidence::{Evidence, Measure, Rate, STRONG, Subject, signed_strength};
+use evidence::{Evidence, Measure, Outcome, Rate, STRONG, Subject, signed_strength};
 use std::collections::BTreeMap;
 
 /// Decades against a number that is solved for: it makes one rate agree whatever the truth is.
@@ -34,6 +41,9 @@ pub const FREE_VALUE: f64 = 3.0;
 
 /// The part of the margins by which changes that explain as much are told apart, and that softens a certainty.
 const NEARER: f64 = 0.1;
+
+/// The p-value below which an exact test of a value says that a change without a free number does not give the counts.
+const UNLIKELY: f64 = 0.05;
 
 /// The most that a model counts against a change that explains as much as another.
 const OF_MODEL: f64 = 2.0;
@@ -85,9 +95,49 @@ impl Ground<'_> {
             value.is_some_and(is_kept)
                 && self.is_own(subject)
                 && self.strongest(own, subject, value) > STRONG
+                && !self.agrees(own, subject)
                 && !self.asks_for_something_else(subject)
         };
         before.keys().filter(is_in_conflict).cloned().collect()
+    }
+
+    /// Whether all comparisons of a piece with others on a subject say that they agree: of a decision process the whole range counts,
+    /// of which one end may be far from what was counted.
+    fn agrees(&self, own: &Evidence, subject: &Subject) -> bool {
+        let all = self.comparisons.iter();
+        let mut own = all
+            .filter(|it| &it.subject == subject && [&it.left, &it.right].contains(&&own.id))
+            .filter(|it| it.outcome != Outcome::NotComparable)
+            .peekable();
+        own.peek().is_some() && own.all(|it| it.outcome == Outcome::Corroborates)
+    }
+
+    /// Whether counts leave room for a value: no exact test of one of them, nor of all together, rejects it at [`UNLIKELY`].
+    fn gives_the_counts(&self, own: &Evidence, subject: &Subject, value: f64) -> bool {
+        let pieces = self.speaking(own, subject);
+        // As they are written, so that what is said of them beside an offer is what decided its place.
+        let counted = pieces.iter().filter_map(|piece| {
+            let finding = piece.finding(subject)?;
+            match &finding.measure {
+                Measure::Counts { count, trials, .. } if finding.undecided == 0 => {
+                    stats::Sample::new(*count, *trials).ok()
+                }
+                _ => None,
+            }
+        });
+        let mut together = [0, 0];
+        for sample in counted {
+            let alone = stats::binomial_test_two_sided(sample, value.clamp(0.0, 1.0));
+            if alone < UNLIKELY {
+                return false;
+            }
+            together[0] += sample.successes;
+            together[1] += sample.trials;
+        }
+        stats::Sample::new(together[0], together[1]).is_ok_and(|all| {
+            all.trials == 0
+                || stats::binomial_test_two_sided(all, value.clamp(0.0, 1.0)) >= UNLIKELY
+        })
     }
 
     /// How strongly a value disagrees with the piece that it disagrees most with, or, below 0, how well it agrees with the one
@@ -131,11 +181,13 @@ impl Ground<'_> {
 
     fn balance(&self, own: &Evidence, before: &Values, after: &Values) -> Option<Balance> {
         let (mut gone, mut come, mut agreement) = (0.0, 0.0, 0.0);
+        let mut is_near = true;
         let mut subjects = Vec::new();
         for (subject, was) in before.iter().filter(|(subject, _)| self.is_own(subject)) {
             let Some(was) = *was else { continue };
             // A value that is lost explains nothing.
-            let is = value_of(after, subject)?;
+            let value = value_of(after, subject)?;
+            let is = value;
             // That something always or never happens is a claim of its own, which no margin for rates softens.
             let is_certain = was > 0.0 && was < 1.0 && (is <= 0.0 || is >= 1.0);
             let part = if is_certain { NEARER } else { 1.0 };
@@ -153,12 +205,16 @@ impl Ground<'_> {
             if was > STRONG && is <= STRONG {
                 gone += was - is.max(0.0);
                 agreement += (-is).max(0.0);
+                let nearer = self.signed(own, subject, value, NEARER);
+                is_near &=
+                    nearer.is_none_or(|it| it <= 0.0) && self.gives_the_counts(own, subject, value);
                 subjects.push((was, subject.clone()));
             }
         }
         subjects.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let off = if is_near { 0.0 } else { FREE_VALUE };
         (gone - come > STRONG && come <= STRONG).then_some(Balance {
-            weight: gone - come + agreement,
+            weight: gone - come + agreement - off,
             subjects,
         })
     }
@@ -173,9 +229,31 @@ impl Ground<'_> {
         Some(self.balance(own, before, after)?.weight - FREE_VALUE)
     }
 
+    /// The weight of the change that explains most, of changes in which a number was solved for; below all where none does.
+    pub(crate) fn heaviest<'c>(
+        &self,
+        own: &Evidence,
+        before: &Values,
+        changes: impl Iterator<Item = &'c Changed>,
+    ) -> f64 {
+        let weights = changes.filter_map(|it| self.weight_of_solved(own, before, it.at_last()));
+        weights.fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// Those of some changes that explain what disagrees and do no harm; the best first, and only what is as good.
     pub(crate) fn explaining<C>(
         &self,
+        own: &Evidence,
+        before: &Values,
+        all: Vec<Tried<C>>,
+    ) -> Vec<Explaining<C>> {
+        self.explaining_above(STRONG, own, before, all)
+    }
+
+    /// The same of changes that something else speaks for, too: their weight, after the correction, need only be above `least`.
+    pub(crate) fn explaining_above<C>(
+        &self,
+        least: f64,
         own: &Evidence,
         before: &Values,
         all: Vec<Tried<C>>,
@@ -203,7 +281,7 @@ impl Ground<'_> {
             let equals = of_kind.len() * of_kind.get(&it.kind).copied().unwrap_or(1);
             let weight = balance.weight - (equals as f64).log10();
             let trial = self.tried(&own.id, before, &it.values);
-            if weight <= STRONG || trial.is_harmful() {
+            if weight <= least || trial.is_harmful() {
                 continue;
             }
             let distance = self.distance(own, &it.values);

@@ -7,6 +7,12 @@
 //! # Source of [`steps`]
 //! L. F. Richardson, "The approximate arithmetical solution by finite differences" (1911): of an error that is
 //! proportional to the step, half is left at half the step, so that the rates at both tell the error.
+//!
+//! # Assumes
+//! The error is proportional to the time step.
+//!
+//! # Guarantee
+//! All else of the text stays as it is written.
 
 use crate::toml_text::{get, number, span_of, table_of, with_id};
 use prism_lang::edit::{self, Edit};
@@ -50,7 +56,7 @@ fn methods(text: &str, evidence: &str, first: &str) -> Result<String, String> {
         .ok_or_else(|| format!("the ledger has no `{evidence}`"))?;
     let value = get(table, "methods").ok_or("its entry names no methods")?;
     let DeValue::Array(array) = value.get_ref() else {
-        return Err("its `methods` is no list".into());
+        return Err("its `methods` must be a list".into());
     };
     let mut all = vec![format!("\"{first}\"")];
     for method in array.iter() {

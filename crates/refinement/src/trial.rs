@@ -11,8 +11,14 @@
 //! move away from the former is not held to break the latter. It takes a side, which is said.
 //!
 //! Independent voices ([`evidence::voices`]) vote on each subject that moved by the strongest disagreement within the voice:
-//! those with whom it shrinks by at least [`MOVED`] against those with whom it grows. A change is *harmful* if it breaks a
+//! those with whom it shrinks by at least [`MOVED`] against those with whom it grows. Where all that a change repairs on a subject
+//! is with simulations, evidence of the real system that agrees as it is has the last word: the change moves away from the majority
+//! if that agrees less afterwards by at least [`LESS`], since the simulation may be what is wrong. A change is *harmful* if it breaks a
 //! pair, or if on some subject more voices are moved away from than towards.
+//!
+//! # Assumes
+//! Pieces with voices of their own are independent of each other. The strengths take trials as independent, or at their
+//! effective size. From where on a vote counts is chosen, not derived.
 //!
 //! # Source and guarantee
 //! What is predicted is the figures that the next run computes, as far as the evidence that is there allows: nothing is
@@ -21,12 +27,17 @@
 
 use crate::model_change::Values;
 use crate::model_offers::Ground;
-use evidence::{Evidence, Measure, Rate, STRONG, Subject, share_assumption, strength, voices};
+use evidence::{
+    Evidence, Measure, Rate, STRONG, Subject, share_assumption, signed_strength, strength, voices,
+};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Decades by which a disagreement has to change to count as a vote.
 const MOVED: f64 = 0.1;
+
+/// Decades of agreement that evidence of the real system has to lose to be moved away from.
+const LESS: f64 = 0.3;
 
 /// Values that differ by less are the same.
 const SAME_VALUE: f64 = 1e-9;
@@ -141,6 +152,7 @@ impl Ground<'_> {
         trial: &mut Trial,
     ) {
         let pieces = self.speaking(own, subject);
+        let known = trial.repairs.len();
         let [mut toward, mut away] = [0, 0];
         for voice in voices(&pieces, subject) {
             let mut most = [0.0_f64; 2];
@@ -169,9 +181,36 @@ impl Ground<'_> {
             toward += usize::from(was - is >= MOVED);
             away += usize::from(is - was >= MOVED && !contradicted);
         }
-        if away > toward {
+        let is_made = |touch: &Touch| {
+            let mut all = pieces.iter();
+            all.any(|it| it.id == touch.evidence && it.technique.is_of_simulator())
+        };
+        let repaired = &trial.repairs[known..];
+        let is_for_simulations = !repaired.is_empty() && repaired.iter().all(is_made);
+        let leaves_system = is_for_simulations && self.leaves_system(&pieces, subject, values);
+        if away > toward || leaves_system {
             trial.against_majority.push(subject.clone());
         }
+    }
+
+    /// Whether evidence of the real system agrees with the first value, and less with the second.
+    fn leaves_system(
+        &self,
+        pieces: &[&Evidence],
+        subject: &Subject,
+        values: [Option<f64>; 2],
+    ) -> bool {
+        let real = pieces.iter().filter(|it| it.technique.is_of_system());
+        let agreement = real.filter_map(|piece| {
+            let theirs = Rate::on(piece, subject)?;
+            let [was, is] = values.map(|value| {
+                let claimed = Rate::claimed(value?, subject);
+                Some(signed_strength(claimed, theirs, self.margin(subject)))
+            });
+            Some([was?, is?])
+        });
+        let all: Vec<[f64; 2]> = agreement.collect();
+        !all.is_empty() && all.iter().all(|[was, is]| *was < 0.0 && is - was >= LESS)
     }
 
     /// Whether a simulation disagrees strongly with evidence of the real system from which the change does not move away.

@@ -164,6 +164,18 @@ pub fn guarantee(guarantee: &Guarantee) -> String {
                 high: *high
             })
         ),
+        Guarantee::Statistical {
+            confidence,
+            low,
+            high,
+        } => format!(
+            "statistical at {}: {}",
+            level(*confidence),
+            interval(Interval {
+                low: *low,
+                high: *high
+            })
+        ),
         Guarantee::Estimated { .. } => "estimated, error unknown".to_owned(),
     }
 }
@@ -332,6 +344,12 @@ mod tests {
 
     #[test]
     fn guarantees_are_named() {
+        let level = Guarantee::Statistical {
+            confidence: 0.95,
+            low: 0.61,
+            high: 0.78,
+        };
+        assert_eq!(plain(guarantee(&level)), "statistical at 95 %: 61.0–78.0 %");
         let narrow = Guarantee::Bounded {
             low: 0.8803785717422,
             high: 0.8803785717423,

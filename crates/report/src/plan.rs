@@ -1,7 +1,7 @@
 //! Further trials in words: what they are, what they cost, and the chance that they decide.
 
 use crate::number;
-use evidence::{Deciding, DecisionPlan, PlannedTrials, Programme, TrialCosts};
+use evidence::{Deciding, DecisionPlan, PlannedTrials, Programme, StudyResult, TrialCosts};
 
 /// Trials of several pieces: `120 more trials in E3 and 400 in E4`.
 pub fn trials(planned: &[PlannedTrials]) -> String {
@@ -133,6 +133,14 @@ pub fn programme(programme: &Programme, costs: &TrialCosts) -> String {
         words = format!("{words} {rest}").trim().to_owned();
     }
     words
+}
+
+/// What trials that are added now cost where sample sizes were declared as fixed.
+pub fn of_fixed_sizes(study: &StudyResult) -> Option<&'static str> {
+    study.synthesis.looks.is_none().then_some(
+        "study.toml says that all sample sizes were fixed before. Trials that are added now, after a look, keep the declared \
+         error rates only without `sample_sizes = \"fixed\"`, with wider limits and smaller chances than these.",
+    )
 }
 
 /// How plans are priced.

@@ -177,6 +177,9 @@ fn verdicts(page: &mut Page, study: &StudyResult) {
             let words = format!("Over which runs: {}.", conditions.join("; "));
             page.item(&indent, "", &words);
         }
+        for looking in conclusion.looking.iter().filter(|it| it.look > 1) {
+            page.item(&indent, "", &looking.statement);
+        }
         for words in conclusion.left_out() {
             page.item(&indent, "2", &format!("Left out: {words}"));
         }
@@ -257,7 +260,7 @@ fn cell(
     let subject = view.quantity(requirement);
     let last = current.last();
     let Some((evidence, finding)) = last.and_then(|e| Some((e, e.finding(&subject)?))) else {
-        return pad("· not asked", column);
+        return pad(words::not_shown(view.study, &subject, technique), column);
     };
     let mark = view.mark(requirement, &evidence.id, &finding.measure);
     let text = format!(
@@ -331,6 +334,9 @@ fn further(page: &mut Page, view: View) {
     }
     page.heading("What would decide");
     page.item("", "", &plan::pricing(&synthesis.costs));
+    if let Some(fixed) = plan::of_fixed_sizes(view.study) {
+        page.item("", "", fixed);
+    }
     if let Some(programme) = &synthesis.programme {
         page.item("= ", "33", &plan::programme(programme, &synthesis.costs));
     }
@@ -458,8 +464,10 @@ fn questions(page: &mut Page, study: &StudyResult) {
         CopyKind::Trials | CopyKind::Recordings => true,
         CopyKind::Constant
         | CopyKind::Counts
+        | CopyKind::File
         | CopyKind::Rows
         | CopyKind::Product
+        | CopyKind::Answer
         | CopyKind::Seeds => false,
     };
     let (trials, copied): (Vec<_>, Vec<_>) = open.into_iter().partition(is_of_itself);

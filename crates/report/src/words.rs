@@ -61,7 +61,7 @@ pub fn resolution(suspect: &Suspect) -> Option<(&'static str, &str, &'static str
     let by = suspect.resolved_by.as_deref()?;
     Some(match suspect.differs_from_what_it_replaced() {
         true => ("from evidence that ", by, " replaces"),
-        false => ("mended in ", by, ""),
+        false => ("fixed in ", by, ""),
     })
 }
 
@@ -128,6 +128,22 @@ pub fn at_looks(study: &StudyResult) -> &'static str {
     }
 }
 
+/// Why no evidence of a technique is shown for a subject: there is none, or all that there is was left out.
+pub fn not_shown(
+    study: &StudyResult,
+    subject: &evidence::Subject,
+    technique: evidence::Technique,
+) -> &'static str {
+    let is_left_out = study
+        .evidence
+        .iter()
+        .any(|it| it.technique == technique && it.finding(subject).is_some());
+    match is_left_out {
+        true => "· left out",
+        false => "· not asked",
+    }
+}
+
 /// A number that takes no part in a conclusion.
 pub fn apart() -> Mark {
     mark("·", "takes no part", "none")
@@ -138,7 +154,7 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
     let rates = study.conclusions.iter().map(|one| one.error_rate);
     let rate = rates.max_by_key(|rate| rate.quantities)?;
     if rate.quantities == 0 {
-        let nothing = "Error rates: no rate of the system was tested against a threshold. Verdicts in simulation and for the model speak of these alone.";
+        let nothing = "Error rates: no verdict rests on a test of a rate of the system. Verdicts in simulation and for the model hold for these alone.";
         return Some(nothing.to_owned());
     }
     let level = number::level(rate.level);
@@ -157,7 +173,7 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
     Some(match rate.holds_for {
         ErrorFamily::Study => format!(
             "Error rates: over the whole study ({} tested), a false \"satisfied\" of the system has a probability of at \
-             most {level}, and so has a false \"violated\"{model}. Verdicts in simulation and for the model speak of these alone.",
+             most {level}, and so has a false \"violated\"{model}. Verdicts in simulation and for the model hold for these alone.",
             match rate.quantities {
                 1 => "1 quantity".to_owned(),
                 many => format!("{many} quantities"),
@@ -165,7 +181,7 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
         ),
         ErrorFamily::Requirement => format!(
             "Error rates: for each requirement by itself, a false verdict of the system has a probability of at most \
-             {level}{model}; over several requirements it is higher. Verdicts in simulation and for the model speak of these alone."
+             {level}{model}; over several requirements it is higher. Verdicts in simulation and for the model hold for these alone."
         ),
     })
 }
@@ -306,6 +322,7 @@ fn certainty(measure: &Measure) -> Mark {
     let (low, high) = match answer.guarantee {
         Guarantee::Exact { .. } => (answer.value, answer.value),
         Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. } => (low, high),
+        Guarantee::Statistical { .. } => return mark("?", "known at a level only", "open"),
         Guarantee::Estimated { .. } => return mark("?", "error unknown", "open"),
     };
     let short_of_one = answer.complement.is_some_and(|rest| rest > 0.0) || low < 1.0;
@@ -324,7 +341,11 @@ fn against(direction: Direction, value: f64, measure: &Measure) -> Mark {
     let level = number::level(value);
     // As the conclusions read a computed probability.
     let slack = match measure {
-        Measure::Probability { credible: None, .. } => CERTAINTY,
+        Measure::Probability {
+            answer,
+            credible: None,
+            ..
+        } if answer.guarantee.is_certain() => CERTAINTY,
         _ => 0.0,
     };
     let (above, below) = (interval.low >= value - slack, interval.high < value - slack);

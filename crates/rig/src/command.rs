@@ -23,14 +23,14 @@ use host::{BuildId, Cancel};
 pub use outside::OutsideCommand;
 use recording::{Interpolation, SignalSource, TopicMap};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use stimulus::{AbstractTest, Settings, Stimulus};
-use study::{CommandText, Study};
+use study::{CommandText, Rule, Study};
 use testbench::{Control, Drawn, End, Failure, Recorded, SimError, Watch};
 use toml::{Table, Value};
-use trace::Trace;
+use trace::{Field, FieldKind, Trace};
 
 /// The seeds that are tried to learn what its recordings hold.
 const FIRST_SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
@@ -49,13 +49,47 @@ pub struct CommandRig {
     data: Table,
     room: Room,
     episodes: AtomicU64,
+    /// Words that the study compares signals with: those that one episode has not said another may.
+    words: Vec<String>,
     /// The topics of its recordings, once one is there.
     layout: Mutex<Option<Trace>>,
 }
 
+/// What stands in a layout for each word that neither its first episode nor the study knows.
+const ANOTHER: &str = "(another word)";
+
+/// The words in single quotes with which the study's predicates compare signals.
+fn words_of(study: &Study) -> Vec<String> {
+    let vocabulary = &study.vocabulary.signals;
+    let bound = vocabulary.names().filter_map(|name| vocabulary.text(name));
+    let rules = study
+        .forms
+        .subjects
+        .iter()
+        .filter_map(|form| form.monitor.as_ref());
+    let atoms = rules.flat_map(|monitor| match &monitor.rule {
+        Rule::Formula(rule) => rule
+            .parsed
+            .atoms
+            .iter()
+            .map(|atom| atom.text.as_str())
+            .collect(),
+        Rule::Staged(_) => Vec::new(),
+    });
+    let mut found: Vec<String> = Vec::new();
+    for text in bound.chain(atoms) {
+        for word in text.split('\'').skip(1).step_by(2) {
+            if !found.iter().any(|it| it == word) {
+                found.push(word.to_owned());
+            }
+        }
+    }
+    found
+}
+
 impl CommandRig {
     /// The command of a ledger's entry. Its only test is that of its stimulus, for whose text `stimulus` may stand in;
-    /// `test` has to be that one, if it is named.
+    /// `test` has to be that one, if it is named. What passes outside campaigns goes to a folder of its own below `scratch`.
     ///
     /// # Errors
     /// `unknown-test`, and as [`OutsideCommand::new`].
@@ -64,6 +98,7 @@ impl CommandRig {
         text: &CommandText,
         test: Option<&str>,
         stimulus: Option<&Source>,
+        scratch: &Path,
     ) -> Result<Self, Problem> {
         let command = OutsideCommand::new(study, text, stimulus)?;
         has_test(&command, test)?;
@@ -73,8 +108,9 @@ impl CommandRig {
             wanted,
             tests: vec![command.stimulus().test.clone()],
             data: table_of(&command.settings()),
-            room: Room::default(),
+            room: Room::below(scratch),
             episodes: AtomicU64::new(0),
+            words: words_of(study),
             layout: Mutex::new(None),
             command,
         })
@@ -90,6 +126,9 @@ impl CommandRig {
                     for channel in &mut layout.channels {
                         channel.times_secs.clear();
                         channel.values.clear();
+                        for field in &mut channel.fields {
+                            know_words(field, &self.words);
+                        }
                     }
                     layout.metadata.clear();
                     *self.layout.lock().unwrap_or_else(PoisonError::into_inner) =
@@ -299,18 +338,27 @@ impl Rig for CommandRig {
 }
 
 /// Where a command works outside campaigns: a folder for what passes, made once something runs there.
-#[derive(Default)]
-struct Room(Mutex<Option<PathBuf>>);
+struct Room {
+    scratch: PathBuf,
+    made: Mutex<Option<PathBuf>>,
+}
 
 impl Room {
+    fn below(scratch: &Path) -> Self {
+        Self {
+            scratch: scratch.to_owned(),
+            made: Mutex::default(),
+        }
+    }
+
     fn folder(&self) -> Result<PathBuf, Problem> {
-        let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(folder) = made.as_ref() {
             return Ok(folder.clone());
         }
         let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
         let name = format!("corroborate-{}-{number}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
+        let folder = self.scratch.join(name);
         std::fs::create_dir_all(&folder).map_err(|error| Problem::cannot_write(&folder, &error))?;
         Ok(made.insert(folder).clone())
     }
@@ -318,7 +366,7 @@ impl Room {
 
 impl Drop for Room {
     fn drop(&mut self) {
-        let made = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let made = self.made.get_mut().unwrap_or_else(PoisonError::into_inner);
         if let Some(folder) = made.take() {
             OutsideCommand::remove(&folder);
         }
@@ -391,6 +439,44 @@ fn table_of(settings: &Settings) -> Table {
     table
 }
 
+/// Lets a field of words hold those that the study knows, and one for any other.
+fn know_words(field: &mut Field, words: &[String]) {
+    if let FieldKind::Enumeration(names) = &mut field.kind {
+        let others = words.iter().map(String::as_str).chain([ANOTHER]);
+        for word in others {
+            if !names.iter().any(|it| it == word) {
+                names.push(word.to_owned());
+            }
+        }
+    }
+}
+
+/// Whether fields are the same but for the words that they have met.
+fn are_alike(some: &[Field], others: &[Field]) -> bool {
+    let is_of_words = |it: &Field| matches!(it.kind, FieldKind::Enumeration(_));
+    some.len() == others.len()
+        && some.iter().zip(others).all(|(one, other)| {
+            let is_same =
+                (&one.name, &one.unit, &one.frame) == (&other.name, &other.unit, &other.frame);
+            is_same && (one.kind == other.kind || is_of_words(one) && is_of_words(other))
+        })
+}
+
+/// The value of a field as the same word's of another.
+fn in_words_of(from: &Field, to: &Field, value: f64) -> f64 {
+    let (FieldKind::Enumeration(ours), FieldKind::Enumeration(theirs)) = (&from.kind, &to.kind)
+    else {
+        return value;
+    };
+    if value.is_nan() || ours == theirs {
+        return value;
+    }
+    let place = |word: &str| theirs.iter().position(|it| it == word);
+    let word = ours.get(value as usize).and_then(|word| place(word));
+    word.or_else(|| place(ANOTHER))
+        .map_or(f64::NAN, |at| at as f64)
+}
+
 /// A recording in the topics of a layout, up to where `watch` has seen enough; whether it has.
 fn shown(
     trace: Option<Trace>,
@@ -412,17 +498,21 @@ fn shown(
         let from = recorded.channels.iter();
         let from = from
             .enumerate()
-            .find(|(_, it)| it.topic == channel.topic && it.fields == channel.fields);
+            .find(|(_, it)| it.topic == channel.topic && are_alike(&it.fields, &channel.fields));
         if let Some((index, from)) = from {
             let times = from.times_secs.iter().enumerate();
             rows.extend(times.map(|(row, secs)| (*secs, place, index, row)));
         }
     }
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut values: Vec<f64> = Vec::new();
     for (time_secs, place, index, row) in rows {
-        let values = recorded.channels[index].row(row);
-        shown.channels[place].push(time_secs, values)?;
-        if watch.row(place, time_secs, values) == Control::Finish {
+        let (from, to) = (&recorded.channels[index], &mut shown.channels[place]);
+        values.clear();
+        let fields = from.fields.iter().zip(&to.fields).zip(from.row(row));
+        values.extend(fields.map(|((from, to), value)| in_words_of(from, to, *value)));
+        to.push(time_secs, &values)?;
+        if watch.row(place, time_secs, &values) == Control::Finish {
             return Ok((shown, true));
         }
     }
@@ -432,7 +522,7 @@ fn shown(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trace::{Channel, Field};
+    use trace::Channel;
 
     #[test]
     fn dotted_keys_are_tables() {
@@ -445,6 +535,37 @@ mod tests {
         assert_eq!(table["cart"]["speed"].as_float(), Some(1.5));
         assert_eq!(table["cart"]["brake"]["gain"].as_float(), Some(2.5));
         assert_eq!(table["wet"].as_bool(), Some(true));
+    }
+
+    /// One episode has met other words than another: none of its rows may be lost for that.
+    #[test]
+    fn words_that_the_first_episode_did_not_say_are_kept() {
+        let states = |names: &[&str], values: &[f64]| {
+            let mut channel =
+                Channel::new("/cell", vec![Field::enumeration("state", names.to_vec())]);
+            for (at, value) in values.iter().enumerate() {
+                channel.push(at as f64, &[*value]).unwrap();
+            }
+            Trace {
+                channels: vec![channel],
+                ..Trace::default()
+            }
+        };
+        let mut layout = states(&["move", "wait"], &[]);
+        know_words(&mut layout.channels[0].fields[0], &["stop".to_owned()]);
+        let recorded = states(&["wait", "stop", "back"], &[0.0, 1.0, 2.0, f64::NAN]);
+        let mut all = UpTo(f64::INFINITY, Vec::new());
+        let (seen, _) = shown(Some(recorded), Some(layout), &mut all).unwrap();
+        let channel = &seen.channels[0];
+        let FieldKind::Enumeration(names) = &channel.fields[0].kind else {
+            panic!("{channel:?}");
+        };
+        let words: Vec<Option<&str>> = channel
+            .values
+            .iter()
+            .map(|it| (!it.is_nan()).then(|| names[*it as usize].as_str()))
+            .collect();
+        assert_eq!(words, [Some("wait"), Some("stop"), Some(ANOTHER), None]);
     }
 
     /// Sees all rows up to a time.

@@ -3,11 +3,12 @@
 mod readings;
 
 use super::command::OutsideCommand;
+use super::place::problem_in;
 use super::rest::{Link, Pace, Rest};
 use super::rig::{Rig, episode_name, failed, secs_of};
 use super::saving::Resumable;
 use ::handover::{HandoverBench, Outside, OutsideReadings, Parameters, Scenario, run_episode_with};
-use diagnostic::{Problem, Source};
+use diagnostic::{Problem, Problems, Source};
 use evidence::{Asset, DescriptionGap, Tool};
 use host::store::Inputs;
 use host::{BuildId, Cancel};
@@ -84,10 +85,13 @@ impl HandoverTexts<'_> {
     ) -> Result<(HandoverBench, String), Problem> {
         let (scenario, parameters) = (self.scenario, self.parameters);
         if self.joined.is_none() {
-            let fail =
-                |of: &Source, error: ScenarioError| scenario_problem(&of.name, &error.into());
-            Scenario::parse(&scenario.text).map_err(|error| fail(scenario, error))?;
-            Parameters::parse(&parameters.text).map_err(|error| fail(parameters, error))?;
+            let mut found = Problems::new();
+            let read = Scenario::parse(&scenario.text);
+            found.keep(read.map_err(|it| problem_in::<Scenario>("bad-scenario", scenario, &it)));
+            let read = Parameters::parse(&parameters.text);
+            found
+                .keep(read.map_err(|it| problem_in::<Parameters>("bad-scenario", parameters, &it)));
+            found.or(())?;
         }
         let engine = engine()?;
         let bench = HandoverBench::new(&engine, &scenario.text, &parameters.text);
@@ -329,7 +333,7 @@ fn scenario_problem(files: &str, error: &SimError) -> Problem {
         SimError::Scenario(ScenarioError::Syntax { .. }) => problem.remedy(
             "correct that place of the file; `corroborate explain scenario` and `corroborate explain parameters` say what is in it",
         ),
-        _ => problem,
+        _ => problem.remedy("correct it in the file (`corroborate explain bad-scenario`)"),
     }
 }
 
@@ -356,9 +360,10 @@ mod tests {
         let refused = HandoverRig::new(&texts, None, &engine).err();
         let said = refused.expect("it is empty").to_string();
         for part in [
-            "scenario.toml: ",
+            "scenario.toml:1:1",
             "missing field `name`",
-            "explain scenario",
+            "missing field `simulation`",
+            "add `name = ...`",
         ] {
             assert!(said.contains(part), "{said}");
         }

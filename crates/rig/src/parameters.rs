@@ -45,7 +45,7 @@ pub fn check_units(space: &Space, source: &Source, code: &'static str) -> Result
             };
             let Ok(unit) = text.parse::<Unit>() else {
                 let message = format!(
-                    "parameter `{}`: `{text}` is no unit, and `{key}` is in {expected}",
+                    "parameter `{}`: unknown unit `{text}`; `{key}` is in {expected}",
                     parameter.name
                 );
                 let problem = Problem::new(code, message).at(source, place());
@@ -200,7 +200,7 @@ mod tests {
         assert!(said.contains("file.toml:9:"), "{said}");
         let said = refusal("s", "parameters.human.pull_forward_newtons.uniform.0").unwrap();
         assert!(said.contains("correct `unit`"), "{said}");
-        assert!(refusal("furlong", key).unwrap().contains("is no unit"));
+        assert!(refusal("furlong", key).unwrap().contains("unknown unit"));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 use super::processor::Counted;
 use std::collections::VecDeque;
+use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::process::CommandExt;
 use std::path::Path;
@@ -42,8 +43,13 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts `command` in `folder`. Each answer has to come within `limit`.
-    pub fn start(command: &[String], folder: &Path, limit: Duration) -> Result<Self, String> {
+    /// Starts `command` in `folder`, with `PYTHONPATH` if one is given. Each answer has to come within `limit`.
+    pub fn start(
+        command: &[String],
+        folder: &Path,
+        python_path: Option<&OsStr>,
+        limit: Duration,
+    ) -> Result<Self, String> {
         let Some((program, arguments)) = command.split_first() else {
             return Err(
                 "the scene names no `command` for it; add for example `command = [\"python3\", \"controller.py\"]`"
@@ -60,7 +66,7 @@ impl Process {
             .stderr(Stdio::piped())
             // Ctrl-C is for us; what we end ends its controllers.
             .process_group(0);
-        if let Some(path) = python_path() {
+        if let Some(path) = python_path {
             prepared.env("PYTHONPATH", path);
         }
         // Whatever else a controller hashes or prints, it does the same each time.
@@ -216,15 +222,6 @@ pub fn keep_lines(errors: impl Read, said: &Said) {
     }
 }
 
-/// Where Python finds our client, before what the user's own path names.
-pub fn python_path() -> Option<std::ffi::OsString> {
-    let clients = std::env::var_os("CORROBORATE_CLIENTS")?;
-    let ours = Path::new(&clients).join("python");
-    let theirs = std::env::var_os("PYTHONPATH").unwrap_or_default();
-    let paths = std::iter::once(ours).chain(std::env::split_paths(&theirs));
-    std::env::join_paths(paths.filter(|path| !path.as_os_str().is_empty())).ok()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::processor;
@@ -232,7 +229,7 @@ mod tests {
 
     fn start(script: &str, limit: Duration) -> Process {
         let command = ["sh", "-c", script].map(str::to_owned);
-        Process::start(&command, Path::new("."), limit).unwrap()
+        Process::start(&command, Path::new("."), None, limit).unwrap()
     }
 
     #[test]
@@ -291,10 +288,10 @@ mod tests {
     #[test]
     fn a_program_that_is_not_there_is_named() {
         let command = ["no-such-program".to_owned()];
-        let error = Process::start(&command, Path::new("."), GRACE)
+        let error = Process::start(&command, Path::new("."), None, GRACE)
             .err()
             .unwrap();
         assert!(error.contains("no-such-program"), "{error}");
-        assert!(Process::start(&[], Path::new("."), GRACE).is_err());
+        assert!(Process::start(&[], Path::new("."), None, GRACE).is_err());
     }
 }

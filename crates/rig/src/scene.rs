@@ -13,9 +13,10 @@ use super::saving::Resumable;
 use diagnostic::{Problem, Source, did_you_mean};
 use evidence::{Asset, AssetRole, DescriptionGap, Tool};
 use host::store::{Inputs, hash_of};
-use host::{BuildId, Cancel};
+use host::{BuildId, Cancel, Host};
 use rest::SceneRest;
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -83,8 +84,8 @@ impl SceneRig {
         study: &Study,
         scene: &Path,
         source: &Source,
-        test: Option<&str>,
-        physics: ScenePhysics,
+        (test, physics): (Option<&str>, ScenePhysics),
+        host: &Host,
     ) -> Result<Self, Problem> {
         let path = study.folder.join(scene);
         let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
@@ -97,7 +98,12 @@ impl SceneRig {
             Ok(bytes)
         };
         check_ros2(source)?;
-        let made = SceneBench::new(&source.text, &read, physics.build, starter(&folder));
+        let made = SceneBench::new(
+            &source.text,
+            &read,
+            physics.build,
+            starter(&folder, host.python_path.as_deref()),
+        );
         let (bench, gaps) = made.map_err(|error| scene_problem(source, &error))?;
         let (bench, truth) = truth::declared(bench, study, source)?;
         let stimulus = Stimulus::of(chosen(&bench, test, source)?);
@@ -390,17 +396,17 @@ fn plain(path: &Path) -> String {
 
 /// Starts the scene's controllers in the scene's folder: as processes, or as
 /// nodes of ROS 2.
-fn starter(folder: &Path) -> StartController {
-    let folder = folder.to_owned();
+fn starter(folder: &Path, python_path: Option<&OsStr>) -> StartController {
+    let (folder, python_path) = (folder.to_owned(), python_path.map(OsStr::to_owned));
     let domains = Domains::default();
     Arc::new(move |data: &ControllerData| {
         let join = Join::of(data).map_err(|message| ControllerError::Failed { message })?;
         if let Some(join) = join {
-            let node = Ros2Controller::new(join, data, &folder, &domains);
+            let node = Ros2Controller::new(join, data, (&folder, python_path.as_deref()), &domains);
             return Ok(Box::new(node) as Box<dyn Controller>);
         }
         let limit = Duration::from_secs_f64(data.answer_within_secs);
-        let process = Process::start(&data.command, &folder, limit)
+        let process = Process::start(&data.command, &folder, python_path.as_deref(), limit)
             .map_err(|reason| ControllerError::Transport { reason })?;
         Ok(Box::new(RemoteController::connect(process)?) as Box<dyn Controller>)
     })
@@ -419,7 +425,8 @@ fn chosen(
     found.cloned().ok_or_else(|| {
         let name = test.unwrap_or_default();
         let message = format!("{} has no abstract test `{name}`", source.name);
-        let problem = Problem::new("unknown-test", message);
+        let place = span_of(&source.text, "abstract_test").unwrap_or(0..0);
+        let problem = Problem::new("unknown-test", message).at(source, place);
         match did_you_mean(name, tests.iter().map(|known| known.name.as_str())) {
             Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
             None => problem.remedy("name one of its [[abstract_test]] tables"),

@@ -20,7 +20,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Something wrong, and how to mend it.
+/// Something wrong, and how to fix it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
     /// Where.

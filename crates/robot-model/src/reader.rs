@@ -192,14 +192,17 @@ impl<'r, 's> Reader<'r, 's> {
             match word.parse::<f64>() {
                 Ok(number) if number.abs() <= LARGEST => found.push(number),
                 Ok(number) => {
-                    let message = format!("{what} holds {number}, which is no usable number");
+                    let message =
+                        format!("{what} holds {number}, which is too large or not finite");
                     let remedy = format!("give finite numbers in SI units, at most {LARGEST:e}");
                     self.problem(place, message, remedy);
                     return None;
                 }
                 Err(_) => {
-                    let message =
-                        format!("{what} holds \"{}\", which is no number", shortened(word));
+                    let message = format!(
+                        "{what} holds \"{}\", which is not a number",
+                        shortened(word)
+                    );
                     self.problem(place, message, "give decimal numbers separated by spaces");
                     return None;
                 }
@@ -246,7 +249,10 @@ impl<'r, 's> Reader<'r, 's> {
             }
             Ok(number) => (number.abs() < NO_LIMIT).then_some(number),
             Err(_) => {
-                let message = format!("{what} holds \"{}\", which is no number", shortened(text));
+                let message = format!(
+                    "{what} holds \"{}\", which is not a number",
+                    shortened(text)
+                );
                 self.problem(place, message, "give one decimal number");
                 None
             }

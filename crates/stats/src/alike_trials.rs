@@ -11,6 +11,14 @@
 //!
 //! # Source
 //! L. Kish, "Survey sampling" (1965), for the design effect `1 + (m - 1) rho`.
+//!
+//! # Assumes
+//! Trials are exchangeable within a group, with the correlation that is given; groups are independent of each other and of
+//! one size.
+//!
+//! # Guarantee
+//! Exact for groups of one size whose trials are exchangeable; of groups of several sizes their mean is not enough
+//! (`kish_design_effect`). `rho` is given, not estimated.
 
 /// The design effect of groups of `group_size` trials: the variance of a rate relative to that of independent trials.
 ///

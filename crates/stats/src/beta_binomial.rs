@@ -19,10 +19,16 @@
 //! are normal. The chi-squared limit `z^2` takes the variance between few clusters for known: with five clusters of ten
 //! it covers 89.7 % at least, with a factor of `k/(k-1)` 93.1 %, and this one 94.6 % (`t^2` itself 97.9 %: too wide).
 //! Deviations: `R` is formed from Stirling errors and deviances, so that a
-//! cluster costs the same at 5 and at 10^8 trials; clusters alike are counted once. Where all
+//! cluster costs the same at 5 and at 10^8 trials, and of up to 64 outcomes from the factors, which all clusters share;
+//! clusters alike are counted once. Where all
 //! outcomes are the same the interval is that of `k` trials, one for each cluster, since `rho` may
 //! then be 1. Cost: some thousands of likelihoods. Guarantee: asymptotic in the number of clusters;
 //! measured coverage and false alarms are in `tests/integration/calibration.rs`.
+//!
+//! # Assumes
+//! Clusters are independent draws of one population, as many as were fixed in advance, and trials of one are independent
+//! given its rate. Rates have a beta distribution, which few clusters cannot show to be wrong: [`mod@crate::clustered`] has
+//! the errors under another law. Sizes tell nothing of rates.
 
 use crate::counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 use crate::heterogeneity::pool;
@@ -158,6 +164,11 @@ impl BetaBinomial {
 pub(crate) struct Model {
     counts: Vec<(f64, f64, f64)>,
     clusters: usize,
+    /// All successes, all failures.
+    outcomes: (f64, f64),
+    successes: Rising,
+    failures: Rising,
+    trials: Rising,
 }
 
 /// The largest intraclass correlation that is tried; 1 itself has no density.
@@ -171,8 +182,21 @@ impl Model {
                 .entry((cluster.successes, cluster.failures()))
                 .or_default() += 1;
         }
+        let of = |outcome: fn(&(u64, u64)) -> u64| {
+            Rising::new(counts.iter().map(|(each, times)| (outcome(each), *times)))
+        };
+        let sum = |outcome: fn(&(u64, u64)) -> u64| {
+            let all = counts
+                .iter()
+                .map(|(each, times)| outcome(each) as f64 * *times as f64);
+            all.sum()
+        };
         Self {
             clusters: counts.values().sum::<u64>() as usize,
+            outcomes: (sum(|(s, _)| *s), sum(|(_, f)| *f)),
+            successes: of(|(s, _)| *s),
+            failures: of(|(_, f)| *f),
+            trials: of(|(s, f)| s + f),
             counts: counts
                 .into_iter()
                 .map(|((s, f), times)| (s as f64, f as f64, times as f64))
@@ -182,13 +206,9 @@ impl Model {
 
     fn ln_likelihood(&self, mean: f64, correlation: f64) -> f64 {
         let theta = correlation / (1.0 - correlation);
-        let one = |(s, f, times): &(f64, f64, f64)| {
-            let plain = times_ln(*s, mean) + times_ln(*f, 1.0 - mean);
-            times
-                * (plain + ln_rising(*s, mean, theta) + ln_rising(*f, 1.0 - mean, theta)
-                    - ln_rising(s + f, 1.0, theta))
-        };
-        self.counts.iter().map(one).sum()
+        let plain = times_ln(self.outcomes.0, mean) + times_ln(self.outcomes.1, 1.0 - mean);
+        plain + self.successes.ln(mean, theta) + self.failures.ln(1.0 - mean, theta)
+            - self.trials.ln(1.0, theta)
     }
 
     /// The likelihood at a correlation, at its most likely mean.
@@ -271,21 +291,61 @@ fn times_ln(k: f64, x: f64) -> f64 {
     if k > 0.0 { k * x.ln() } else { 0.0 }
 }
 
-/// `ln prod_(i<k) (1 + i theta / m)`, with `a = m / theta`:
-/// `D(a + k, a) - ln(1 + k/a)/2 + d(a + k) - d(a)` (deviance and Stirling errors).
-fn ln_rising(k: f64, m: f64, theta: f64) -> f64 {
-    if k <= 1.0 || theta <= 0.0 {
-        return 0.0;
+/// Numbers of outcomes in clusters, of which a likelihood has the sum of `R(k, m / theta)`.
+#[derive(Clone, Debug, PartialEq)]
+struct Rising {
+    /// Of the factor `1 + i theta / m`, `i` from 1: in how many clusters it occurs, of those with few outcomes.
+    factors: Vec<f64>,
+    /// More outcomes, and of how many clusters.
+    many: Vec<(f64, f64)>,
+}
+
+/// Up to so many outcomes a product is formed of its factors, which all clusters have in common.
+const FEW: u64 = 64;
+
+impl Rising {
+    /// Of so many outcomes in so many clusters, each.
+    fn new(clusters: impl Iterator<Item = (u64, u64)>) -> Self {
+        let (mut factors, mut many) = (Vec::new(), Vec::new());
+        for (k, times) in clusters {
+            if k > FEW {
+                many.push((k as f64, times as f64));
+                continue;
+            }
+            let of_this = k.saturating_sub(1) as usize;
+            if of_this > factors.len() {
+                factors.resize(of_this, 0.0);
+            }
+            factors[..of_this]
+                .iter_mut()
+                .for_each(|it| *it += times as f64);
+        }
+        Self { factors, many }
     }
-    let a = m / theta;
-    if a <= 0.0 {
-        return f64::INFINITY;
+
+    /// `sum_k ln prod_(i<k) (1 + i theta / m)`; of many outcomes, with `a = m / theta`,
+    /// `D(a + k, a) - ln(1 + k/a)/2 + d(a + k) - d(a)` (deviance and Stirling errors).
+    fn ln(&self, m: f64, theta: f64) -> f64 {
+        if theta <= 0.0 || (self.factors.is_empty() && self.many.is_empty()) {
+            return 0.0;
+        }
+        let a = m / theta;
+        if a <= 0.0 {
+            return f64::INFINITY;
+        }
+        let factors = self.factors.iter().zip(1_u32..);
+        let few: f64 = factors
+            .map(|(times, i)| times * (f64::from(i) / a).ln_1p())
+            .sum();
+        if self.many.is_empty() {
+            return few;
+        }
+        let at_a = stirling_error(a);
+        let each = |(k, times): &(f64, f64)| {
+            times * (deviance_of_sum(*k, a) - 0.5 * (k / a).ln_1p() + stirling_error(a + k) - at_a)
+        };
+        few + self.many.iter().map(each).sum::<f64>()
     }
-    if k <= 16.0 {
-        let product = (1..k as u32).map(|i| 1.0 + f64::from(i) / a);
-        return product.fold(0.0, |sum, factor| sum + factor.ln());
-    }
-    deviance_of_sum(k, a) - 0.5 * (k / a).ln_1p() + stirling_error(a + k) - stirling_error(a)
 }
 
 /// How closely a maximum is placed; its value is then exact to the square of that.
@@ -439,12 +499,24 @@ mod tests {
 
     #[test]
     fn clusters_of_a_hundred_million_trials_are_as_quick_and_as_exact() {
-        // R(k, a) directly for k = 2000, and by the closed form used beyond 16.
+        // R(k, a) directly, and by the closed form used beyond 64; several clusters at once.
         for (m, theta) in [(0.3, 1e-9), (0.3, 1e-3), (0.999, 0.7), (1e-6, 5.0)] {
             let a: f64 = m / theta;
-            let sum: f64 = (0..2000).map(|i| (f64::from(i) / a).ln_1p()).sum();
-            let found = ln_rising(2000.0, m, theta);
-            assert!((found - sum).abs() < 1e-10 * (1.0 + sum), "{found} {sum}");
+            let of = |k: u32| -> f64 { (0..k).map(|i| (f64::from(i) / a).ln_1p()).sum() };
+            for clusters in [
+                vec![(2000, 1_u32)],
+                vec![(0, 3), (1, 2), (7, 5), (64, 1), (65, 2), (2000, 4)],
+            ] {
+                let parts = clusters.iter().map(|(k, times)| f64::from(*times) * of(*k));
+                let sum: f64 = parts.sum();
+                let found = Rising::new(
+                    clusters
+                        .iter()
+                        .map(|(k, times)| (u64::from(*k), u64::from(*times))),
+                );
+                let found = found.ln(m, theta);
+                assert!((found - sum).abs() < 1e-10 * (1.0 + sum), "{found} {sum}");
+            }
         }
         let n = 100_000_000;
         let fit = BetaBinomial::fit(&samples(&[

@@ -10,6 +10,10 @@
 //! tests accept fractional counts, as the beta integral does, so that they can be used at an
 //! effective sample size; two-sided tails are sums of densities outwards, ended when the rest
 //! cannot change them. Cost: O(sqrt(n)). Guarantee: exact up to rounding; conservative.
+//!
+//! # Assumes
+//! Trials are independent with one rate, and their number was fixed in advance. Counts at an effective size stand for
+//! trials that are alike: of these no test here is exact ([`mod@crate::clustered`] has its errors).
 
 use crate::counts::{EffectiveSample, Sample};
 use crate::special::{beta_cdf, beta_sf, binomial_pmf};

@@ -16,6 +16,10 @@
 //! [`SMALLEST`], Fisher's is given: it is then hardly larger. Cost: `O(N^1.5)`. Guarantee: a true
 //! hypothesis is rejected at level `alpha` with probability at most `alpha`, for every common
 //! rate; the p-value is never above Fisher's.
+//!
+//! # Assumes
+//! Trials of each sample are independent with one rate, the samples are independent of each other, and both sizes were
+//! fixed in advance. The maximum over the common rate is the largest value that the search found, not a bound.
 
 use crate::counts::Sample;
 use crate::fisher::{Table, fisher_exact};

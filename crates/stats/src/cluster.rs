@@ -16,6 +16,10 @@
 //! sampling" (1965), for the design effect with clusters of unequal size. Deviation: a negative
 //! estimate is reported but never makes a sample larger than it is. Cost: linear. Guarantee: the
 //! estimate is consistent in the number of clusters; with ten of them it is rough.
+//!
+//! # Assumes
+//! Clusters are independent of each other, with one mean and one correlation whatever their size; trials are exchangeable
+//! within one. The p-value takes cluster means as normal.
 
 use crate::counts::{EffectiveSample, Sample, StatsError};
 use crate::special::f_sf;

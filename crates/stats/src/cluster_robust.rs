@@ -17,6 +17,10 @@
 //! not differ at all (0 of n and n of n among them), `V` says nothing and `n*` is `k`, one trial
 //! for each cluster. Cost: linear. Guarantee: asymptotic in the number of clusters; measured
 //! coverage is in `tests/integration/calibration.rs`.
+//!
+//! # Assumes
+//! Clusters are independent of each other and were fixed in number; sizes tell nothing of rates. How trials of one hang
+//! together is left open. The log-odds of the rate are taken as normal (of the adjusted interval its count as binomial).
 
 use crate::counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 use crate::heterogeneity::pool;

@@ -154,6 +154,12 @@
 //! # Source
 //! D. A. Williams (1975); E. B. Wilson (1927) for the score test.
 //!
+//! # Assumes
+//! As [`mod@crate::beta_binomial`]: people are independent draws of one population, as many as were fixed in advance, with
+//! rates of a beta distribution, and trials of one are independent given the rate. What another law does is in the rows
+//! *two kinds*, and what people of a kind that was not met would do in [`mod@crate::unmet_kind`]. Of a single cluster, or
+//! of one trial each, trials are taken as independent.
+//!
 //! # Guarantee
 //! Asymptotic in the number of clusters; the first table says how nearly with few of them. Cost: some thousands of likelihoods, a few milliseconds.
 

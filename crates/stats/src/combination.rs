@@ -26,6 +26,11 @@
 //! Cost: linear. Guarantee: the power prior covers on average over its prior when the rates are one; the
 //! random effects' interval is of the mean of the rates, on average over the prior, and its log-odds are
 //! taken as normal.
+//!
+//! # Assumes
+//! Samples are independent of each other given their rates, of independent trials or at their effective size; weights were
+//! declared without looking at the counts. The power prior: all have one rate. Random effects: true log-odds are
+//! exchangeable and normal, and scatter as the prior has it ([`ScatteredRate::is_beyond_the_prior`] tells where not).
 
 use crate::counts::{Confidence, EffectiveSample, Interval, StatsError};
 use crate::heterogeneity::log_odds_and_variances;

@@ -32,6 +32,10 @@
 //! `rho` runs over 61 values, between which nothing is sought. Where no column tells, `rho` may be 1: one
 //! trial for each cluster.
 //!
+//! # Assumes
+//! All columns have one correlation, which is not tested. Clusters are independent of each other, with beta-distributed
+//! rates, and were fixed in number; the trials of a total are spread over them at random.
+//!
 //! # Guarantee
 //! Asymptotic in the number of clusters, *if* the columns have one correlation; that is an assumption, said
 //! wherever it is used. Cost: some thousand likelihoods for each column, once.

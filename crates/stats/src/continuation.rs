@@ -42,6 +42,11 @@
 //! G. Shafer, "Testing by betting", JRSS A 184 (2021). Deviation: the form of `b'` above is this project's, chosen so
 //! that it has a closed integral, for whatever stages come.
 //!
+//! # Assumes
+//! All looks are given, none left out for what it showed, and later counts contain the trials of earlier ones. Given what
+//! was seen, the trials of a stage are independent with the same rate; how many there are may depend on all that was seen.
+//! By scores: increments are independent and normal.
+//!
 //! # Guarantee
 //! Counts against a threshold: the probability of ever rejecting a true hypothesis at level `a` is at most `a`, exactly,
 //! for every rule of going on that looks only at what was seen (tested by the sum over all paths). By scores: as far as

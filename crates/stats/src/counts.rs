@@ -82,6 +82,15 @@ impl EffectiveSample {
         })
     }
 
+    /// Of the contrary: failures in place of successes.
+    #[must_use]
+    pub fn complement(&self) -> Self {
+        Self {
+            successes: self.failures(),
+            trials: self.trials,
+        }
+    }
+
     /// Failures, in independent trials.
     #[must_use]
     pub fn failures(&self) -> f64 {

@@ -13,6 +13,9 @@
 //! and its index; half a unit of the last digit is added, which keeps 0 and 1 out. Cost: about
 //! 53/log2(b) steps a coordinate. Guarantee: each point is uniform over seeds, so that means are
 //! unbiased; in a few dimensions their error falls nearly as 1/n instead of 1/sqrt(n).
+//!
+//! # Assumes
+//! Inputs of [`posterior_design`] are independent of each other. The faster error takes a function of bounded variation.
 
 use crate::posterior::BetaPosterior;
 

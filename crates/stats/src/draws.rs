@@ -18,6 +18,9 @@
 //! sensitivity indicators with your spreadsheet software" (2012), for its estimate from given
 //! data; T. L. Kelley (1935) for the correction. Deviation: none. Cost: one sort for each input.
 //! Guarantee: consistent; shares are clamped to [0, 1].
+//!
+//! # Assumes
+//! Draws are of the distribution at their weights. [`variance_shares`] takes inputs as independent of each other.
 
 use crate::counts::{Confidence, Interval, StatsError};
 

@@ -24,6 +24,11 @@
 //! "Construction of confidence limits about effect measures" (2008). Deviation: none. Cost: constant.
 //! Guarantee: asymptotic level; Wald's variance is zero at 0 of n and n of n and must not be
 //! used there, Agresti and Caffo's is close to its level from about 10 trials on.
+//!
+//! # Assumes
+//! Trials of each sample are independent with one rate, the samples are independent of each other, and sizes were fixed in
+//! advance. The difference is taken as normal; [`difference_interval`] needs two independent sides alone, each with an
+//! interval that holds.
 
 use crate::counts::{Confidence, EffectiveSample, Interval};
 use crate::special::{normal_quantile, normal_sf};

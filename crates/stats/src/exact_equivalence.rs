@@ -46,6 +46,10 @@
 //! the order is the likelihood ratio's, since Barnard's condition is proved for it, and not that of the score; the bounds
 //! of the derivatives are this project's.
 //!
+//! # Assumes
+//! Trials of each sample are independent with one rate, the samples are independent of each other, and both sizes were
+//! fixed in advance. Nothing of the rates.
+//!
 //! # Guarantee
 //! Two rates that differ by the margin or more are said to agree with probability at most the level, whatever they are,
 //! at every pair of sample sizes. The largest probabilities in percent over all boundary points in steps of 1/400 of their

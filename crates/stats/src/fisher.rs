@@ -8,6 +8,10 @@
 //! 21.02; two-sided rule as in SAS and R. Deviation: densities are Loader's, and each tail is
 //! summed outwards by the ratio of neighbours until the rest cannot change it, so that the cost
 //! is O(sqrt(n)), not O(n). Guarantee: exact up to rounding, hence conservative.
+//!
+//! # Assumes
+//! Trials of each sample are independent with one rate, the samples are independent of each other, and sizes were fixed in
+//! advance.
 
 use crate::binomial::{EQUAL_LIKELIHOOD, first_at_most};
 use crate::counts::Sample;

@@ -27,6 +27,9 @@
 //! Wilkinson (1967) for the bisection. Cost: `n^k + (n-1)^k` evaluations. Deviation: two products, of `n` and of
 //! `n - 1` nodes, so that the second tells what the first leaves open.
 //!
+//! # Assumes
+//! Inputs are independent with the beta distributions that are given. The function is smooth over their range.
+//!
 //! # Guarantee
 //! Exact up to rounding where the function is in each input a polynomial of degree below `n`; for functions without a
 //! pole near the inputs' range the error falls geometrically with `n`. Each share's error is the difference between

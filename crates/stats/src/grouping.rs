@@ -16,6 +16,10 @@
 //! A. Wald and J. Wolfowitz, "An exact test for randomness in the non-parametric case based on serial correlation"
 //! (1943), for the order.
 //!
+//! # Assumes
+//! Under the hypothesis rows are exchangeable, successes with their trials: no label and no place in the order goes with a
+//! rate. A trend, or a label that says the conditions, is found as likeness, too.
+//!
 //! # Guarantee
 //! If the rows are exchangeable (independent of labels and order), the p-value is at most `a` with a probability of at
 //! most `a`, for every `a`, whatever the rates and sizes of the rows, on average over the permutations that are drawn.

@@ -18,6 +18,10 @@
 //! squared; R. DerSimonian and N. Laird (1986) for tau squared; K. Pearson (1900). Deviation:
 //! the halves are added to every sample always, so that a result never jumps when one count
 //! reaches an end. Cost: linear. Guarantee: asymptotic.
+//!
+//! # Assumes
+//! Samples are independent of each other, of independent trials or at their effective size. Log-odds are taken as normal
+//! with known variances; the random effects take true log-odds as scattered about one mean.
 
 use crate::counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 use crate::special::{chi_squared_sf, normal_quantile};

@@ -14,6 +14,10 @@
 //! and 1 at `s = 0` and `s = n` and keep their digits near them. Fractional counts are accepted,
 //! for effective sample sizes. Guarantee: Clopper-Pearson covers at least at its level; the
 //! others cover at their level on average over p.
+//!
+//! # Assumes
+//! Trials are independent with one rate, and their number was fixed in advance. Fractional counts stand for trials that are
+//! alike: of these no method here covers exactly.
 
 use crate::counts::{Confidence, EffectiveSample, Interval};
 use crate::special::{beta_quantile, beta_quantile_upper, normal_quantile};

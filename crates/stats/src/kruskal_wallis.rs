@@ -16,6 +16,10 @@
 //! (1952). Deviation: rank sums are doubled whole numbers and compared exactly, so that rounding
 //! never decides whether an assignment counts. Cost: states grow with the product of group sizes;
 //! beyond [`MAX_STATES`] the exact test is refused. Guarantee: exact up to rounding of the sum.
+//!
+//! # Assumes
+//! Under the hypothesis observations are independent and of one distribution, whichever it is. The chi-squared p-value
+//! takes groups as large.
 
 use crate::counts::StatsError;
 use crate::ranks::Ranking;

@@ -20,7 +20,7 @@
 //! | How many trials does it take? | [`trials_per_arm`], [`further_trials`], [`Predictive`] |
 //! | What do uncertain constants do to a result? | [`posterior_design`], [`Draws`], [`variance_shares`], [`SharesDesign`], [`credible_box`] |
 //!
-//! Each source file opens with its definitions, their source, and the guarantee they come with.
+//! Each source file opens with its definitions, their source, what they assume, and the guarantee they come with.
 
 mod alike_trials;
 mod beta_binomial;
@@ -41,6 +41,7 @@ mod exact_equivalence;
 mod fisher;
 mod gauss_grid;
 mod grouping;
+mod guarantee;
 mod heterogeneity;
 mod interval;
 mod kruskal_wallis;
@@ -73,7 +74,7 @@ pub use clustered::{
     clustered_test_below,
 };
 pub use coincidence::{
-    Possible, any_coincidence, coincidences, constant_by_chance, contents_by_chance,
+    Possible, SAME_TRIALS, any_coincidence, coincidences, constant_by_chance, contents_by_chance,
     count_by_chance, product_by_chance, quotient_by_chance, rows_by_chance, several_coincidences,
 };
 pub use combination::{BETWEEN, MOST_BETWEEN, ScatteredRate, power_prior, scattered_rate};
@@ -90,6 +91,7 @@ pub use equivalence::{Difference, DifferenceVariance, Tost, difference_interval,
 pub use exact_equivalence::exact_equivalence;
 pub use fisher::fisher_exact;
 pub use grouping::{alike_by_label, alike_in_order};
+pub use guarantee::Guarantee;
 pub use heterogeneity::{
     ChiSquared, Combined, Heterogeneity, chi_squared_homogeneity, heterogeneity, pool,
 };

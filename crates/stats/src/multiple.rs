@@ -11,6 +11,10 @@
 //!
 //! Source: S. Holm, "A simple sequentially rejective multiple test procedure" (1979). Deviation:
 //! none. Cost: one sort. Guarantee: strong control of the family-wise error.
+//!
+//! # Assumes
+//! Each p-value is at most `a` with a probability of at most `a` where its hypothesis is true, and all tests that were made
+//! are among them. Nothing of how they depend on each other.
 
 /// Holm-adjusted p-values, in the order given. A `NaN` counts as 1.
 #[must_use]

@@ -17,6 +17,10 @@
 //! combination and applications", Annals of Statistics 49 (2021), proposition 3.1 (the mean of e-values is one); J. G.
 //! Skellam, JRSS B 10 (1948), for the beta-binomial distribution.
 //!
+//! # Assumes
+//! Under the hypothesis subjects are independent, with rates of one beta distribution, and trials of one are independent
+//! given its rate. Numbers of trials tell nothing of rates.
+//!
 //! # Guarantee
 //! Each `e_i` is non-negative and has expectation 1 under the hypothesis (exactly, on average over the prior: tested by
 //! enumerating all outcomes), and so has their mean, which is at least the largest divided by `m`. By Markov's inequality

@@ -15,6 +15,10 @@
 //! Cost: some hundreds to thousands of beta tails, whose cost does not grow with the counts. Guarantee: absolute error
 //! below 1e-9; within 1e-11 of 30 digits from 0 of 5 to counts of 10^8, the ends included. Of parameters beyond 10^10 the
 //! places of a density are rounded to a part of its width, and the error grows with them; the cost does not.
+//!
+//! # Assumes
+//! Trials are independent with one rate of the prior that is named; two proportions are independent of each other. Counts
+//! at an effective size are taken as that many independent trials.
 
 use crate::counts::{Confidence, EffectiveSample, Interval, StatsError};
 use crate::quadrature::{integrate_over_pieces, kronrod_places};
@@ -73,6 +77,55 @@ impl BetaPosterior {
             alpha: sample.successes + prior,
             beta: sample.failures() + prior,
         }
+    }
+
+    /// One distribution for a proportion that any of `ends` may describe: its central interval at a level reaches from the
+    /// least to the greatest limit that one of them has.
+    ///
+    /// ```
+    /// use stats::{BetaPosterior, Confidence, Sample};
+    /// // 90 of 100, and 10 more that nothing is known of: from 90 to 100 of 110.
+    /// let ends = [90, 100].map(|k| BetaPosterior::jeffreys(Sample { successes: k, trials: 110 }));
+    /// let either = BetaPosterior::spanning(&ends, Confidence::P95).credible_interval(Confidence::P95);
+    /// assert!((either.low - ends[0].quantile(0.025)).abs() < 1e-9);
+    /// assert!((either.high - ends[1].quantile(0.975)).abs() < 1e-9);
+    /// ```
+    ///
+    /// The two parameters are found by bisection; that of no ends is Jeffreys' prior.
+    #[must_use]
+    pub fn spanning(ends: &[Self], confidence: Confidence) -> Self {
+        let Some(first) = ends.first() else {
+            return Self {
+                alpha: 0.5,
+                beta: 0.5,
+            };
+        };
+        if ends.iter().all(|end| end == first) {
+            return *first;
+        }
+        let tail = 0.5 * confidence.alpha();
+        let limits = ends.iter().map(|end| end.credible_interval(confidence));
+        let (low, high) = limits.fold((1.0_f64, 0.0_f64), |(low, high), it| {
+            (low.min(it.low), high.max(it.high))
+        });
+        // Of so many trials, with this lower limit.
+        let with_total = |total: f64| {
+            let at = |logit: f64| {
+                let mean = 1.0 / (1.0 + (-logit).exp());
+                Self {
+                    alpha: (mean * total).max(f64::MIN_POSITIVE),
+                    beta: ((1.0 - mean) * total).max(f64::MIN_POSITIVE),
+                }
+            };
+            at(halved(-40.0, 40.0, |logit| at(logit).cdf(low) > tail))
+        };
+        // The more trials, the less lies above the upper limit; the ends have at most as many as the most of them.
+        let most = ends
+            .iter()
+            .map(|end| end.alpha + end.beta)
+            .fold(1.0, f64::max);
+        let is_wider = |ln_total: f64| with_total(ln_total.exp()).sf(high) > tail;
+        with_total(halved((1e-3_f64).ln(), most.ln() + 1e-6, is_wider).exp())
     }
 
     /// The parameters `(alpha, beta)`.
@@ -140,6 +193,18 @@ impl BetaPosterior {
             high: self.quantile_upper(tail),
         }
     }
+}
+
+/// Where a property that holds below and not above ends.
+fn halved(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        match holds(middle) {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    f64::midpoint(low, high)
 }
 
 /// A posterior as places with weights that sum to 1, for means over it that are taken thousands of times.
@@ -308,6 +373,47 @@ impl BetaPosterior {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Also at the smaller levels that several constants have together, and inside the ends.
+    #[test]
+    fn what_spans_several_holds_the_limits_of_each() {
+        for (k, n, more) in [
+            (0, 5, 1),
+            (0, 100, 7),
+            (9, 10, 1),
+            (90, 100, 10),
+            (7, 7, 40),
+            (174, 200, 3),
+            (1, 900, 90),
+        ] {
+            let end = |with: u64| {
+                BetaPosterior::jeffreys(crate::Sample::new(k + with, n + more).unwrap())
+            };
+            let plain = BetaPosterior::jeffreys(crate::Sample::new(k, n).unwrap());
+            let ends = [end(0), end(more / 2), end(more), plain];
+            let one = BetaPosterior::spanning(&ends, Confidence::P95);
+            for alpha in [0.05, 0.025, 0.01, 0.005, 0.001] {
+                let level = Confidence::new(1.0 - alpha).unwrap();
+                let found = one.credible_interval(level);
+                let rounding = if alpha == 0.05 { 1e-9 } else { 0.0 };
+                for end in &ends {
+                    let within = end.credible_interval(level);
+                    assert!(
+                        found.low <= within.low + rounding,
+                        "{k}/{n}+{more} {alpha}: {found} {within}"
+                    );
+                    assert!(
+                        found.high >= within.high - rounding,
+                        "{k}/{n}+{more} {alpha}: {found} {within}"
+                    );
+                }
+            }
+            assert_eq!(
+                BetaPosterior::spanning(&[plain, plain], Confidence::P95),
+                plain
+            );
+        }
+    }
 
     #[test]
     fn places_give_nearly_the_same_probabilities() {

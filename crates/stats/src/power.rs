@@ -14,6 +14,10 @@
 //! (2008), sections 4.2.2 and 4.2.3. Deviation: unequal true rates and arms of unequal size are
 //! allowed, by searching for the smallest size with the power. Cost: a few dozen evaluations.
 //! Guarantee: planning figures by normal theory, not exact powers.
+//!
+//! # Assumes
+//! The rates given are the true ones. Trials are independent, and so are the arms; the test is that of normal theory at one
+//! look.
 
 use crate::counts::{Confidence, EffectiveSample, StatsError};
 use crate::special::{normal_cdf, normal_quantile};

@@ -16,6 +16,9 @@
 //! of the same mean and variance, with a continuity correction. Cost: `n` steps once. Guarantee:
 //! relative error near 1e-12 in the table; beyond it the distribution function is off by less than
 //! 0.001 from 20 successes (and failures) on, for posteriors of 5 trials and more.
+//!
+//! # Assumes
+//! Further trials are independent given the rate, which is that of the trials so far and has the posterior that is given.
 
 use crate::posterior::BetaPosterior;
 

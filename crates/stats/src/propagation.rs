@@ -21,6 +21,10 @@
 //! `B` and `A_j` for `k` inputs. Guarantee: consistent. Each share comes with its error: from exchanged rows the
 //! standard error over rows, which overstates that of the low-discrepancy rows used; by quadrature the difference
 //! between two orders, or what the variance of independent draws contradicts beyond three standard errors.
+//!
+//! # Assumes
+//! Inputs are independent with the posteriors that are given, and the function is the same each time.
+//! [`extremes_at_corners`] takes it as monotone or linear in each input.
 
 use crate::counts::{Confidence, Interval, StatsError};
 use crate::design::posterior_design;

@@ -9,6 +9,9 @@
 //! operations is fixed, and with it every bit of the result. Cost: 15 evaluations for each piece, 30 for each halving: at most
 //! 30,000 beyond the first pieces, whatever the function. Guarantee: the error estimate is usually pessimistic by several
 //! digits for smooth functions; where a function is noisy, the result is as good as the noise allows.
+//!
+//! # Assumes
+//! Nothing of the data. The function is smooth between the cuts.
 
 /// Positive nodes of the 15-point Kronrod rule; every second one is also a Gauss node.
 const NODES: [f64; 8] = [

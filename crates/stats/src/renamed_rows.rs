@@ -13,6 +13,11 @@
 //! # Source
 //! The tests' own; C. E. Bonferroni (1936) for the doubling.
 //!
+//! # Assumes
+//! Rows of different trials are independent: at their places, contents come by chance or counts are independent given each
+//! row's rate; in another order, rows of both tables are of one distribution. Of several columns the least probability
+//! counts, without correction for their number.
+//!
 //! # Guarantee
 //! That of the tests. Rows of one trial that fail in both tables because their conditions are hard count as repeated: then
 //! the trials of both tables are not independent either. Cost: that of [`crate::contents_by_chance`].

@@ -14,6 +14,10 @@
 //! # Source
 //! A. Wald and J. Wolfowitz, "On a test whether two samples are from the same population" (1940).
 //!
+//! # Assumes
+//! Under the hypothesis trials are independent with one rate throughout, and stand in the order in which they were made.
+//! Their number may be random.
+//!
 //! # Guarantee
 //! Exact. A drift of the rate in time gives few runs, too. Cost: linear in the runs.
 

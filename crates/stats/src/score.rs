@@ -21,6 +21,10 @@
 //! at margins of 70 points and more, up to 19 %. It is no exact test: of one success in one trial on
 //! either side and a margin of 99 points it is 0.005, where rates that far apart have that outcome
 //! with probability 0.01.
+//!
+//! # Assumes
+//! Trials of each sample are independent with one rate, the samples are independent of each other, and sizes were fixed in
+//! advance. Counts are large: the errors above say what few of them do.
 
 use crate::counts::EffectiveSample;
 use crate::special::normal_sf;

@@ -21,6 +21,10 @@
 //! lie outside the exact ones. The price against an interval for an `n` fixed beforehand
 //! (Clopper-Pearson, 95 %, rate 0.88) is a width 1.56 times as large at 100 trials, 2.00 at 10^4
 //! and 2.29 at 10^6.
+//!
+//! # Assumes
+//! Given what was seen, each trial succeeds with the same rate, and every trial is counted. When to stop may depend on all
+//! that was seen. Trials that are alike within people break this.
 
 use crate::counts::{Confidence, Interval, Sample, StatsError};
 use crate::special::{beta_cdf, beta_sf, deviance, ln_gamma};

@@ -18,6 +18,10 @@
 //! factorial moments of matches; the inequality is Markov's, for `C(M, k)`. For all rows alike and distinct (`m = n = k`)
 //! it is an equality: `1/n!`.
 //!
+//! # Assumes
+//! Of different trials all ways in which contents come to keys are as likely. Where keys tell contents (ages, settings, a
+//! plan) rows are the same without a copy.
+//!
 //! # Guarantee and cost
 //! The bound holds for every `n` and for any contents, as long as keys do not tell contents. Rows of few values coincide by
 //! chance, and are allowed for: where all rows of both tables are alike, chance is 1. At least ten rows of different

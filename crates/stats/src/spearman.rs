@@ -13,6 +13,10 @@
 //! of products of doubled ranks are whole numbers, so that ties are compared exactly. Cost of the
 //! exact test: distinct multisets times distinct sums (2048 * 2025 for eleven untied pairs);
 //! larger ones are refused. Guarantee: exact up to rounding of the sum.
+//!
+//! # Assumes
+//! Under the hypothesis pairs are independent, and the two values of a pair are, too. Student's p-value takes pairs as
+//! many.
 
 use crate::counts::StatsError;
 use crate::ranks::Ranking;

@@ -39,6 +39,10 @@
 //! The greatest value is sought at shares `s` whose `s^n` fall by [`STEP`] each, and half a step beside the best of them, so that
 //! it is found to within the root of that factor, in practice to within 2 in 100. Below [`LEAST`] nothing is sought.
 //!
+//! # Assumes
+//! That of the test. People are independent draws of all people, so that each is of the unmet kind with the same
+//! probability.
+//!
 //! # Guarantee
 //! As the test's, for people of whom a share may also be of the kind that always fails (or always succeeds) and is not met.
 //! Never below the p-value of the test itself. Where people of that kind were met, the test has to know of them.

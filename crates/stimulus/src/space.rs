@@ -312,7 +312,7 @@ impl Parameter {
         }
         for key in &self.sets {
             if let Err(problem) = segments(key) {
-                return wrong(format!("`{key}` is no dotted key: {problem}"));
+                return wrong(format!("`{key}` is not a valid dotted key: {problem}"));
             }
         }
         if let Err(StimulusError::Distribution(problem)) = self.distribution.check() {
@@ -332,7 +332,7 @@ impl Parameter {
     /// [`StimulusError::Point`] for a number that is no value of the parameter's kind.
     pub fn setting(&self, value: f64) -> Result<Setting, StimulusError> {
         let wrong = || {
-            let problem = format!("{value} is no value of `{}`", self.name);
+            let problem = format!("{value} is not a valid value of `{}`", self.name);
             Err(StimulusError::Point(problem))
         };
         match &self.distribution {

@@ -29,7 +29,7 @@
 //! From `[test]` on it is the file of a stimulus, as an outside command gets
 //! it. The seed is a text, since programs read numbers beyond 2^53 wrongly.
 
-use crate::placed::toml_place;
+use crate::placed::value_place;
 use diagnostic::{Problem, Source};
 use evidence::FailureKind;
 use host::files::write_whole;
@@ -96,7 +96,7 @@ pub enum Expected {
     /// It shows what it did: the fault is known and still there.
     #[default]
     Fails,
-    /// It no longer shows it: the fault was mended and must not come back.
+    /// It no longer shows it: the fault was fixed and must not come back.
     Passes,
 }
 
@@ -196,7 +196,7 @@ struct Text {
     program: String,
     /// The seed of the episode, as a text since it may be larger than TOML's whole numbers.
     seed: String,
-    /// What `replay --check` expects of it: `fails` until the fault is mended, `passes` from then on.
+    /// What `replay --check` expects of it: `fails` until the fault is fixed, `passes` from then on.
     #[serde(default)]
     expected: Expected,
     /// What was run.
@@ -234,12 +234,11 @@ impl Finding {
     }
 
     fn parse(source: &Source) -> Result<Self, Problem> {
-        let text: Text = toml::from_str(&source.text).map_err(|error| {
-            crate::placed::from_toml(source, &error)
-                .remedy("`corroborate explore` writes findings; a regression has the same form")
-        })?;
+        let text: Text = crate::toml_text::read("bad-finding", source)?;
         let bad = |word: &str, message: String| {
-            Problem::new("bad-finding", message).at(source, toml_place(source, &[word]))
+            Problem::new("bad-finding", message)
+                .at(source, value_place(source, &[word]))
+                .remedy("`corroborate explore` writes findings; a regression has the same form")
         };
         if !READ.contains(&text.format.as_str()) {
             let message = format!("the format `{}` is not known", text.format);
@@ -248,8 +247,11 @@ impl Finding {
             );
         }
         let seed = text.seed.parse().map_err(|_| {
-            bad("seed", format!("`{}` is no seed", text.seed))
-                .remedy("a seed is a whole number from 0 to 2^64 - 1, in quotes")
+            bad(
+                "seed",
+                format!("`seed` must be a whole number (got `{}`)", text.seed),
+            )
+            .remedy("a seed is a whole number from 0 to 2^64 - 1, in quotes")
         })?;
         let stimulus = Stimulus {
             test: text.test,
@@ -444,7 +446,7 @@ mod tests {
             (good.replace("\"fails\"", "\"fail\""), "fail"),
             (
                 good.replace("18446744073709551615", "-1"),
-                "`-1` is no seed",
+                "`seed` must be a whole number (got `-1`)",
             ),
             (good.replace("violated", "vilated"), "vilated"),
             (good.replace("0.25", "-0.25"), "after_secs"),

@@ -2,11 +2,12 @@
 //! written by hand or made from the requirement's sentence.
 
 use super::Vocabulary;
-use diagnostic::{Problem, Source};
+use crate::placed::value_in;
+use diagnostic::{Problem, Problems, Source};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use temporal::formula::{Ending, Formula, FormulaMonitor, Parsed, Settings, TimeModel};
-use temporal::monitor::{Monitor, MonitorSpec};
+use temporal::monitor::{Monitor, MonitorSpec, SpecError, Stage};
 use toml::Spanned;
 
 /// How much later than the first the last signal may begin, unless that is said.
@@ -180,38 +181,47 @@ impl JudgingText {
         let reader = Reader { source, vocabulary };
         let (time, ending) = (self.time().unwrap_or_default(), self.ending());
         let clock = self.clock();
+        let mut found = Problems::new();
         if let Some(clock) = &self.clock {
-            reader.check_clock(clock)?;
+            found.keep(reader.check_clock(clock));
         }
         if let Some(limit) = &self.start_within_secs {
-            reader.check_limit(limit)?;
+            found.keep(reader.check_limit(limit));
         }
         let start_within_secs = self.start_within_secs();
         let rule = match (self.monitor, self.formula) {
-            (None, None) => return Ok(None),
+            (None, None) => return found.or(None),
             (Some(_), Some(formula)) => {
-                return Err(Problem::new(
-                    "two-monitors",
-                    "a requirement is judged by a monitor or by a formula, not by both",
-                )
-                .at(source, formula.span())
-                .remedy("move one of them into a [requirement.reading.NAME]"));
+                found.add(
+                    Problem::new(
+                        "two-monitors",
+                        "a requirement is judged by a monitor or by a formula, not by both",
+                    )
+                    .at(source, formula.span())
+                    .remedy("move one of them into a [requirement.reading.NAME]"),
+                );
+                None
             }
             (Some(monitor), None) => {
                 let time = self.time.as_ref().map(Spanned::span);
                 if let Some(place) = time.or(self.ending.as_ref().map(Spanned::span)) {
-                    return Err(Problem::new(
-                        "not-for-monitors",
-                        "`time` and `ending` are for formulas; a monitor in stages has `at_end`",
-                    )
-                    .at(source, place)
-                    .remedy("remove it, or write `monitor.at_end`"));
+                    found.add(
+                        Problem::new(
+                            "not-for-monitors",
+                            "`time` and `ending` are for formulas; a monitor in stages has `at_end`",
+                        )
+                        .at(source, place)
+                        .remedy("remove it, or write `monitor.at_end`"),
+                    );
                 }
-                Rule::Staged(reader.staged(monitor)?)
+                found.keep(reader.staged(monitor)).map(Rule::Staged)
             }
-            (None, Some(formula)) => Rule::Formula(reader.formula(&formula, time, ending)?),
+            (None, Some(formula)) => {
+                let rule = reader.formula(&formula, time, ending);
+                found.keep(rule).map(Rule::Formula)
+            }
         };
-        Ok(Some(JudgingForm {
+        found.or(rule.map(|rule| JudgingForm {
             rule,
             clock,
             start_within_secs,
@@ -251,14 +261,67 @@ impl Reader<'_> {
     fn staged(&self, monitor: Spanned<MonitorSpec>) -> Result<MonitorSpec, Problem> {
         let span = monitor.span();
         let spec = monitor.into_inner();
-        let compiled = Monitor::compile(&spec).map_err(|error| {
-            Problem::new("bad-monitor", error.to_string()).at(self.source, span.clone())
-        })?;
-        for name in compiled.propositions() {
-            let place = self.place_of(name, &span);
-            self.bound(name, place)?;
+        let mut found = Problems::new();
+        let alone = |place: usize| MonitorSpec {
+            then: spec.then[place..=place].to_vec(),
+            ..spec.clone()
+        };
+        // What is waited for to begin with, also where no stage can be read.
+        let when = MonitorSpec {
+            then: vec![Stage::Assert {
+                proposition: spec.when.clone(),
+            }],
+            ..spec.clone()
+        };
+        if let Ok(compiled) = Monitor::compile(&when) {
+            for name in compiled.propositions() {
+                found.keep(self.bound(name, self.place_of(name, &span)));
+            }
         }
-        Ok(spec)
+        for place in 0..spec.then.len() {
+            // Each stage by itself, so that the mistake of one hides no other.
+            match Monitor::compile(&alone(place)) {
+                Ok(compiled) => {
+                    for name in compiled.propositions() {
+                        let place = self.place_of(name, &span);
+                        found.keep(self.bound(name, place));
+                    }
+                }
+                Err(error) => found.add(self.bad_stage(&error, place, &span)),
+            }
+        }
+        if found.is_empty()
+            && let Err(error) = Monitor::compile(&spec)
+        {
+            found.add(self.bad_stage(&error, 0, &span));
+        }
+        found.or(spec)
+    }
+
+    /// A mistake of a monitor's stage, at the value that is wrong as far as that is known.
+    fn bad_stage(&self, error: &SpecError, stage: usize, monitor: &Range<usize>) -> Problem {
+        let limit = match error {
+            SpecError::BadWithin { within_secs } => {
+                value_in(self.source, monitor, &|key, value| {
+                    let number = value.as_float().map(|it| it.as_str().parse::<f64>());
+                    let number =
+                        number.or_else(|| value.as_integer().map(|it| it.as_str().parse()));
+                    key == "within_secs" && number == Some(Ok(*within_secs))
+                })
+            }
+            _ => None,
+        };
+        let of_stage = || {
+            let then = value_in(self.source, monitor, &|key, value| {
+                key == "then" && value.is_array()
+            })?;
+            let stages = crate::placed::elements(self.source, &then);
+            stages.into_iter().nth(stage)
+        };
+        let place = limit.or_else(of_stage).unwrap_or_else(|| monitor.clone());
+        Problem::new("bad-monitor", error.to_string())
+            .at(self.source, place)
+            .remedy("correct that stage (`corroborate explain monitor`)")
     }
 
     fn formula(
@@ -277,9 +340,11 @@ impl Reader<'_> {
                     .at(self.source, place(error.span))
                     .remedy(error.remedy)
             })?;
+        let mut found = Problems::new();
         for atom in &parsed.atoms {
-            self.bound(&atom.text, place(atom.span.clone()))?;
+            found.keep(self.bound(&atom.text, place(atom.span.clone())));
         }
+        found.or(())?;
         let rule = FormulaRule {
             text: text.get_ref().clone(),
             resolved: parsed.to_string(),
@@ -322,7 +387,7 @@ impl Reader<'_> {
         self.vocabulary
             .signals
             .predicate(text)
-            .map(drop)
+            .and_then(|predicate| predicate.check())
             .map_err(|error| {
                 Problem::new("bad-predicate", error.kind.to_string())
                     .at(
@@ -333,13 +398,24 @@ impl Reader<'_> {
             })
     }
 
-    /// Where a name is written inside a span, or the span.
-    fn place_of(&self, name: &str, span: &Range<usize>) -> Range<usize> {
-        let quoted = format!("\"{name}\"");
-        let text = self.source.text.get(span.clone()).unwrap_or("");
-        match text.find(&quoted) {
-            Some(at) => span.start + at + 1..span.start + at + 1 + name.len(),
-            None => span.clone(),
+    /// Where a name is written in a monitor, or the monitor.
+    fn place_of(&self, name: &str, monitor: &Range<usize>) -> Range<usize> {
+        let is_name = |value: &toml::de::DeValue<'_>| value.as_str() == Some(name);
+        let has_name = |value: &toml::de::DeValue<'_>| {
+            value.as_str().is_some_and(|text| {
+                let mut words = text.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+                words.any(|word| word == name)
+            })
+        };
+        let whole = value_in(self.source, monitor, &|_, value| is_name(value));
+        let part = || value_in(self.source, monitor, &|_, value| has_name(value));
+        let Some(place) = whole.or_else(part) else {
+            return monitor.clone();
+        };
+        let written = self.source.text.get(place.clone()).unwrap_or_default();
+        match written.find(name) {
+            Some(at) => place.start + at..place.start + at + name.len(),
+            None => place,
         }
     }
 }

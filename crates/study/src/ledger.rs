@@ -5,11 +5,11 @@ mod parts;
 mod read;
 mod work;
 
-use evidence::{Calibration, Measure};
+use evidence::{Calibration, Finding};
 use host::store::Inputs;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use stats::{EffectiveSample, StatsError};
+use stats::{BetaPosterior, Confidence, EffectiveSample};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -421,27 +421,19 @@ impl Calibrated {
         if self.is_complement { 1.0 - rate } else { rate }
     }
 
-    /// The counts of what the constant is the probability of, at what they are worth in independent trials; none
-    /// if the finding that it was set to does not count.
-    pub fn sample(&self, measure: &Measure) -> Result<Option<EffectiveSample>, StatsError> {
-        let Measure::Counts {
-            count,
-            trials,
-            effective_trials,
-            ..
-        } = *measure
-        else {
-            return Ok(None);
+    /// What is known of the rate that the constant is the probability of; none if the finding that it was set to does
+    /// not count. Trials that are alike count at their effective size, and runs without a verdict count both ways: the
+    /// central interval at `level` reaches over all that they may have shown.
+    pub fn posterior(&self, finding: &Finding, level: Confidence) -> Option<BetaPosterior> {
+        let of_constant = |worth: EffectiveSample| match self.is_complement {
+            true => worth.complement(),
+            false => worth,
         };
-        let count = match self.is_complement {
-            true => trials.saturating_sub(count),
-            false => count,
-        };
-        let whole = stats::Sample::new(count, trials)?;
-        Ok(Some(match effective_trials {
-            Some(size) => EffectiveSample::at_size(whole, size)?,
-            None => whole.into(),
-        }))
+        let ends: Option<Vec<BetaPosterior>> = finding
+            .may_be()
+            .map(|end| Some(BetaPosterior::jeffreys(of_constant(end.at_its_worth()?.1))))
+            .collect();
+        ends.map(|ends| BetaPosterior::spanning(&ends, level))
     }
 }
 

@@ -37,10 +37,10 @@ pub use requirements::{
     FormText, Forms, ReadingForm, SubjectForm, TriggerForm, quoted_names, text_in_words,
 };
 pub use sentence_form::SentenceForm;
-pub use toml_text::place_of_unknown;
+pub use toml_text::{place_of_unknown, read as read_toml, read_as};
 pub use vocabulary::{Binding, Vocabulary};
 
-use diagnostic::{Problem, Source};
+use diagnostic::{Problem, Problems, Source};
 use evidence::{ErrorFamily, FailureMode, Requirement, Step};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -154,6 +154,26 @@ pub struct ModelUnits {
     pub units: BTreeMap<String, String>,
 }
 
+impl About {
+    /// What is read on with where the file cannot be read.
+    fn unread() -> Self {
+        Self {
+            title: String::new(),
+            summary: String::new(),
+            source: String::new(),
+            seed: 0,
+            confidence: 0.95,
+            agreement: 0.95,
+            conditions: BTreeMap::new(),
+            model: ModelUnits::default(),
+            verdicts: Verdicts::default(),
+            sample_sizes: SampleSizes::default(),
+            costs: None,
+            weights: BTreeMap::new(),
+        }
+    }
+}
+
 impl ModelUnits {
     /// The duration of a step or of a unit of continuous time in seconds; it was checked when the study was loaded.
     pub fn step_secs(&self) -> Option<f64> {
@@ -173,23 +193,41 @@ fn quantity(text: &str) -> Option<trace::units::QuantityValue> {
 
 impl Study {
     /// Loads the study in `folder`.
+    ///
+    /// # Errors
+    /// All mistakes of its files as one problem, in the order of files and lines; those that follow from others are left out.
     pub fn load(folder: &Path) -> Result<Self, Problem> {
+        let mut found = Problems::new();
+        let study = Self::read(folder, &mut found)?;
+        found.or(study)
+    }
+
+    /// Reads the study in `folder` behind its mistakes, which are added to those that were found. Where there are any, what is
+    /// read has neutral values in their places, and is only good for looking further.
+    ///
+    /// # Errors
+    /// `no-study` if there is none.
+    pub fn read(folder: &Path, found: &mut Problems) -> Result<Self, Problem> {
         if !folder.is_dir() {
             return Err(
                 Problem::new("no-study", format!("{} is not a folder", folder.display()))
                     .remedy("name a study's folder, or make one with `corroborate init FOLDER`"),
             );
         }
-        let (about, about_source) = read_about(folder)?;
-        let parameters = StudyParameters::load(folder)?;
-        let vocabulary = Vocabulary::load(folder, &parameters)?;
+        let (about, about_source) = read_about(folder, found)?;
+        let parameters = StudyParameters::load(folder, found);
+        let vocabulary = Vocabulary::load(folder, &parameters, found);
         let (mut requirements, failure_modes, forms) =
-            requirements::load(folder, &vocabulary, &parameters, &about)?;
-        let (ledger, ledger_source) = ledger::load(folder, &about, &forms)?;
-        forms.complete_carried(&mut requirements, &ledger)?;
-        let costs = weighing::trial_costs(&about, &ledger, &about_source)?;
-        let weights = weighing::weights(&about, &ledger, &about_source)?;
-        let looks = looks::load(folder, &about)?;
+            requirements::load(folder, &vocabulary, &parameters, &about, found);
+        let (ledger, ledger_source) = ledger::load(folder, &about, &forms, found);
+        forms.complete_carried(&mut requirements, &ledger, found);
+        let costs = weighing::trial_costs(&about, &ledger, &about_source);
+        let costs = found
+            .keep(costs)
+            .unwrap_or_else(evidence::TrialCosts::equal);
+        let weights = weighing::weights(&about, &ledger, &about_source);
+        let weights = found.keep(weights).unwrap_or_default();
+        let looks = found.keep(looks::load(folder, &about)).flatten();
         Ok(Self {
             folder: folder.to_owned(),
             costs,
@@ -207,6 +245,11 @@ impl Study {
         })
     }
 
+    /// The difference of two rates that counts as agreement on a requirement or failure mode.
+    pub fn margin(&self, subject: &evidence::Subject) -> f64 {
+        evidence::margin_of(&self.requirements, &self.failure_modes, subject)
+    }
+
     /// The ledger entry with this identifier.
     pub fn entry(&self, id: &str) -> Result<&Entry, Problem> {
         self.ledger.iter().find(|e| e.id == id).ok_or_else(|| {
@@ -220,59 +263,65 @@ impl Study {
     }
 }
 
-fn read_about(folder: &Path) -> Result<(About, Source), Problem> {
+/// Its mistakes are added to those that were found; values that are wrong are replaced.
+fn read_about(folder: &Path, found: &mut Problems) -> Result<(About, Source), Problem> {
     let path = folder.join("study.toml");
     if !path.exists() {
         return Err(Problem::new(
             "no-study",
-            format!("{} has no study.toml, so it is no study", folder.display()),
+            format!("not a study: {} does not exist", path.display()),
         )
         .remedy("make a study with `corroborate init FOLDER`"));
     }
     let source = host::files::read_source(&path)?;
-    let about: About = toml_text::read(&source)?;
+    let mut own = Problems::new();
+    let about: Option<About> = toml_text::read_on(&source, &mut own);
+    let mut about = about.unwrap_or_else(About::unread);
+    // Conditions may stand under a name that could not be read.
+    if !own.is_empty() && about.conditions.is_empty() {
+        found.lose_names();
+    }
+    found.join(own);
     for (name, level) in [
-        ("confidence", about.confidence),
-        ("agreement", about.agreement),
+        ("confidence", &mut about.confidence),
+        ("agreement", &mut about.agreement),
     ] {
-        if !(level > 0.5 && level < 1.0) {
-            let place = source.text.find(name).unwrap_or(0);
-            return Err(Problem::new(
-                "bad-level",
-                format!("`{name}` is {level}, which is no level of confidence"),
-            )
-            .at(&source, place..place + name.len())
-            .remedy("choose a level between 0.5 and 1, for example 0.95"));
+        if !(*level > 0.5 && *level < 1.0) {
+            found.add(
+                Problem::new(
+                    "bad-level",
+                    format!("`{name}` must be between 0.5 and 1 (got {level})"),
+                )
+                .at(&source, placed::value_place(&source, &[name]))
+                .remedy("write a level of confidence, for example 0.95"),
+            );
+            *level = 0.95;
         }
     }
-    check_model_units(&about.model, &source)?;
+    check_model_units(&about.model, &source, found);
     Ok((about, source))
 }
 
-fn check_model_units(model: &ModelUnits, source: &Source) -> Result<(), Problem> {
-    let bad = |text: &str, what: String, example: &str| {
-        let place = source.text.find(text).unwrap_or(0);
+fn check_model_units(model: &ModelUnits, source: &Source, found: &mut Problems) {
+    let bad = |path: &[&str], what: String| {
         Problem::new("bad-unit", what)
-            .at(source, place..place + text.len())
-            .remedy(format!("write for example \"{example}\""))
+            .at(source, placed::value_place(source, path))
+            .remedy("write for example \"0.1 s\"")
     };
     if let Some(text) = &model.step {
         let step = quantity(text).filter(|step| {
             step.dimension() == trace::units::Dimension::TIME && step.si_value() > 0.0
         });
         if step.is_none() {
-            return Err(bad(
-                text,
-                format!("`{text}` is no duration of a step"),
-                "0.1 s",
-            ));
+            let what = format!("`step` must be a time of more than 0 with its unit (got `{text}`)");
+            found.add(bad(&["model", "step"], what));
         }
     }
     for (variable, text) in &model.units {
         if quantity(text).is_none_or(|unit| unit.unit().is_none()) {
-            let what = format!("`{text}` is no unit of the variable `{variable}`");
-            return Err(bad(text, what, "0.1 s"));
+            let what =
+                format!("the unit of `{variable}` must be a number with a unit (got `{text}`)");
+            found.add(bad(&["model", "units", variable], what));
         }
     }
-    Ok(())
 }

@@ -42,8 +42,7 @@ pub fn load(folder: &Path, about: &About) -> Result<Option<Looks>, Problem> {
             "if trials are added after a look, delete `sample_sizes` from study.toml; else delete {LOOKS}"
         )));
     }
-    let looks: Looks =
-        toml::from_str(&source.text).map_err(|error| crate::placed::from_toml(&source, &error))?;
+    let looks: Looks = crate::toml_text::read("bad-study-file", &source)?;
     let numbered = looks.looks.iter().enumerate();
     let mut counts = numbered.flat_map(|(look, all)| {
         let counts = all.counts.iter().enumerate();

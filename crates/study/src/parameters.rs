@@ -4,7 +4,7 @@
 //! vocabulary and hand-written formulas use the names, so that a changed
 //! number changes everywhere.
 
-use diagnostic::Problem;
+use diagnostic::{Problem, Problems};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -51,14 +51,18 @@ pub(crate) fn schema() -> schemars::Schema {
 }
 
 impl StudyParameters {
-    /// Reads `parameters.toml`, if there is one.
-    pub fn load(folder: &Path) -> Result<Self, Problem> {
+    /// Reads `parameters.toml`, if there is one. Mistakes are added to those that were found, and what has one gets no value.
+    pub fn load(folder: &Path, found: &mut Problems) -> Self {
         let path = folder.join(FILE);
         if !path.exists() {
-            return Ok(Self::default());
+            return Self::default();
         }
-        let source = host::files::read_source(&path)?;
-        let texts: BTreeMap<String, ParameterText> = crate::toml_text::read(&source)?;
+        let Some(source) = found.keep(host::files::read_source(&path)) else {
+            found.lose_names();
+            return Self::default();
+        };
+        let texts = crate::toml_text::read_on(&source, found);
+        let texts: BTreeMap<String, ParameterText> = texts.unwrap_or_default();
         let declared: BTreeMap<String, Parameter> = texts
             .into_iter()
             .map(|(name, text)| {
@@ -71,19 +75,33 @@ impl StudyParameters {
                 (name, parameter)
             })
             .collect();
-        let entries = declared.iter().map(|(name, p)| (name.clone(), &p.text));
-        let values = trace::Parameters::new(entries).map_err(|errors| {
-            let first = errors.into_iter().next();
-            let (name, message) =
-                first.map_or_else(Default::default, |e| (e.name.clone(), e.to_string()));
-            let problem = Problem::new("bad-parameter", message)
-                .remedy("write a number with its unit, for example \"250 mm/s\"");
-            match declared.get(&name) {
-                Some(parameter) => problem.at(&source, parameter.span.clone()),
-                None => problem,
+        let mut values = trace::Parameters::default();
+        let mut entries: BTreeMap<&str, &str> = BTreeMap::new();
+        entries.extend(
+            declared
+                .iter()
+                .map(|(name, it)| (name.as_str(), it.text.as_str())),
+        );
+        let of = |entries: &BTreeMap<&str, &str>| {
+            trace::Parameters::new(entries.iter().map(|(name, text)| (*name, *text)))
+        };
+        match of(&entries) {
+            Ok(all) => values = all,
+            Err(errors) => {
+                for error in errors {
+                    entries.remove(error.name.as_str());
+                    let problem = Problem::new("bad-parameter", error.to_string())
+                        .remedy("write a number with its unit, for example \"250 mm/s\"");
+                    found.add(match declared.get(&error.name) {
+                        Some(parameter) => problem.at(&source, parameter.span.clone()),
+                        None => problem,
+                    });
+                    found.break_name(&error.name);
+                }
+                values = of(&entries).unwrap_or(values);
             }
-        })?;
-        Ok(Self { declared, values })
+        }
+        Self { declared, values }
     }
 }
 
@@ -94,7 +112,9 @@ mod tests {
     fn load(text: &str) -> Result<StudyParameters, Problem> {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join(FILE), text).expect("written");
-        StudyParameters::load(folder.path())
+        let mut found = Problems::new();
+        let parameters = StudyParameters::load(folder.path(), &mut found);
+        found.or(parameters)
     }
 
     #[test]
@@ -116,7 +136,7 @@ mod tests {
     #[test]
     fn a_study_without_the_file_has_none() {
         let folder = tempfile::tempdir().expect("a folder");
-        let parameters = StudyParameters::load(folder.path()).expect("none");
+        let parameters = StudyParameters::load(folder.path(), &mut Problems::new());
         assert!(parameters.declared.is_empty());
     }
 }

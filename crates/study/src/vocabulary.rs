@@ -3,7 +3,7 @@
 
 use super::StudyParameters;
 use crate::placed::toml_place;
-use diagnostic::{Problem, Source, did_you_mean};
+use diagnostic::{Problem, Problems, Source, did_you_mean};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -72,11 +72,18 @@ pub(crate) fn schema() -> schemars::Schema {
 }
 
 impl Vocabulary {
-    /// Reads `vocabulary.toml`; its predicates may use the parameters.
-    pub fn load(folder: &Path, parameters: &StudyParameters) -> Result<Self, Problem> {
-        let source = host::files::read_source(&folder.join("vocabulary.toml"))?;
-        let texts: BTreeMap<String, PropositionText> = toml::from_str(&source.text)
-            .map_err(|error| crate::placed::from_toml(&source, &error))?;
+    /// Reads `vocabulary.toml`; its predicates may use the parameters. Mistakes are added to those that were found, and a
+    /// predicate that has one is replaced.
+    pub fn load(folder: &Path, parameters: &StudyParameters, found: &mut Problems) -> Self {
+        let path = folder.join("vocabulary.toml");
+        let source = found
+            .keep(host::files::read_source(&path))
+            .unwrap_or_else(|| {
+                found.lose_names();
+                Source::new(path.display().to_string(), "")
+            });
+        let texts = crate::toml_text::read_on(&source, found);
+        let texts: BTreeMap<String, PropositionText> = texts.unwrap_or_default();
         let propositions: BTreeMap<String, Proposition> = texts
             .into_iter()
             .map(|(name, text)| {
@@ -90,27 +97,12 @@ impl Vocabulary {
                 (name, proposition)
             })
             .collect();
-        let bound = propositions
-            .iter()
-            .filter_map(|(name, p)| p.trace.as_ref().map(|b| (name.clone(), b.text.clone())));
-        let values = parameters.values.clone();
-        let signals = trace::Vocabulary::with_parameters(bound, values).map_err(|errors| {
-            let mut problems = errors
-                .into_iter()
-                .map(|error| predicate_problem(&source, &propositions, &error));
-            // There is at least one error, or there would be a vocabulary.
-            problems.next().unwrap_or_else(|| {
-                Problem::new(
-                    "bad-predicate",
-                    format!("{} has a bad predicate", source.name),
-                )
-            })
-        })?;
-        Ok(Self {
+        let signals = signals(&source, &propositions, parameters, found);
+        Self {
             source,
             propositions,
             signals,
-        })
+        }
     }
 
     /// An error in a predicate, at its place in the vocabulary's file.
@@ -138,6 +130,50 @@ impl Vocabulary {
         })
     }
 }
+
+/// What the bindings to traces mean. One that is wrong is told, and is taken as always true.
+fn signals(
+    source: &Source,
+    propositions: &BTreeMap<String, Proposition>,
+    parameters: &StudyParameters,
+    found: &mut Problems,
+) -> trace::Vocabulary {
+    let bound = propositions.iter();
+    let mut bound: BTreeMap<&str, &str> = bound
+        .filter_map(|(name, it)| Some((name.as_str(), it.trace.as_ref()?.text.as_str())))
+        .collect();
+    // Names that mean nothing are looked for once all texts can be read, so that there may be mistakes behind the first.
+    loop {
+        let entries = bound.iter().map(|(name, text)| (*name, *text));
+        let errors = match trace::Vocabulary::with_parameters(entries, parameters.values.clone()) {
+            Ok(signals) => {
+                for name in bound.keys() {
+                    let checked = signals.predicate(name).and_then(|it| it.check());
+                    if let Err(error) = checked {
+                        found.add(predicate_problem(source, propositions, &error));
+                    }
+                }
+                return signals;
+            }
+            Err(errors) => errors,
+        };
+        let mut is_replaced = false;
+        for error in &errors {
+            found.add(predicate_problem(source, propositions, error));
+            let entry = error.entry.as_deref().and_then(|name| bound.get_mut(name));
+            if let Some(text) = entry.filter(|text| **text != ALWAYS) {
+                *text = ALWAYS;
+                is_replaced = true;
+            }
+        }
+        if !is_replaced {
+            return trace::Vocabulary::default();
+        }
+    }
+}
+
+/// A predicate that is true at all times.
+const ALWAYS: &str = "true";
 
 fn predicate_problem(
     source: &Source,

@@ -11,12 +11,13 @@
 //! ```
 
 use super::{About, Entry};
-use crate::placed::toml_place;
-use diagnostic::{Problem, Source};
+use crate::placed::{toml_place, value_place};
+use diagnostic::{Problem, Problems, Source, did_you_mean};
 use evidence::{Technique, TrialCosts, Weights};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// The table `costs`.
 #[derive(Debug, JsonSchema, Deserialize)]
@@ -41,18 +42,26 @@ pub fn trial_costs(
     let Some(text) = &about.costs else {
         return Ok(TrialCosts::equal());
     };
+    let mut found = Problems::new();
     for id in text.evidence.keys() {
-        known(id, ledger, source, "costs")?;
+        let place = toml_place(source, &["costs", "evidence", id]);
+        found.keep(known(id, ledger, source, place));
     }
-    let every = text.technique.values().chain(text.evidence.values());
-    if let Some(bad) = every.into_iter().find(|c| !(c.is_finite() && **c > 0.0)) {
-        return Err(declared(
-            source,
-            "bad-cost",
-            format!("{bad} is no cost of a trial"),
-            "costs",
-        )
-        .remedy("costs are positive numbers, for example `experiment = 15`"));
+    let of_techniques = text.technique.iter();
+    let of_techniques = of_techniques.map(|(of, cost)| ("technique", of.traits().key, *cost));
+    let of_evidence = text.evidence.iter();
+    let of_evidence = of_evidence.map(|(of, cost)| ("evidence", of.as_str(), *cost));
+    for (table, of, cost) in of_techniques.chain(of_evidence) {
+        if !(cost.is_finite() && cost > 0.0) {
+            found.add(
+                Problem::new(
+                    "bad-cost",
+                    format!("the cost of a trial of `{of}` must be greater than 0 (got {cost})"),
+                )
+                .at(source, value_place(source, &["costs", table, of]))
+                .remedy("write a positive number, for example `experiment = 15`"),
+            );
+        }
     }
     let mut costs = TrialCosts::equal();
     costs.unit.clone_from(&text.unit);
@@ -63,10 +72,10 @@ pub fn trial_costs(
         match of.or_else(|| text.technique.get(&technique)) {
             Some(cost) => costs = costs.declare(&entry.id, *cost),
             None if technique.is_of_model() => {}
-            None => return Err(missing(entry, technique, source)),
+            None => found.add(missing(entry, technique, source)),
         }
     }
-    Ok(costs)
+    found.or(costs)
 }
 
 /// A trial without a cost among trials that have one would be compared in no unit.
@@ -85,29 +94,42 @@ fn missing(entry: &Entry, technique: Technique, source: &Source) -> Problem {
 /// How much each piece of evidence counts where evidence is combined.
 pub fn weights(about: &About, ledger: &[Entry], source: &Source) -> Result<Weights, Problem> {
     let mut weights = Weights::default();
+    let mut found = Problems::new();
     for (id, weight) in &about.weights {
-        known(id, ledger, source, "weights")?;
-        weights = weights.declare(id, *weight).map_err(|_| {
-            let message = format!("{weight} is no weight of `{id}`");
-            declared(source, "bad-weight", message, "weights")
-                .remedy("a weight lies between 0 (left out) and 1 (counted in full)")
-        })?;
+        found.keep(known(
+            id,
+            ledger,
+            source,
+            toml_place(source, &["weights", id]),
+        ));
+        match weights.clone().declare(id, *weight) {
+            Ok(more) => weights = more,
+            Err(_) => found.add(
+                Problem::new(
+                    "bad-weight",
+                    format!("the weight of `{id}` must be between 0 and 1 (got {weight})"),
+                )
+                .at(source, value_place(source, &["weights", id]))
+                .remedy("write 0 to leave it out, 1 to count it in full, or a number between"),
+            ),
+        }
     }
-    Ok(weights)
+    found.or(weights)
 }
 
-fn known(id: &str, ledger: &[Entry], source: &Source, table: &str) -> Result<(), Problem> {
+fn known(id: &str, ledger: &[Entry], source: &Source, place: Range<usize>) -> Result<(), Problem> {
     if ledger.iter().any(|entry| entry.id == id) {
         return Ok(());
     }
     let ids: Vec<&str> = ledger.iter().map(|entry| entry.id.as_str()).collect();
     let message = format!("the ledger has no evidence `{id}`");
-    Err(
-        declared(source, "unknown-evidence", message, table).remedy(match ids.is_empty() {
-            true => "the ledger is empty".to_owned(),
-            false => format!("it has {}", ids.join(", ")),
-        }),
-    )
+    let similar = did_you_mean(id, ids.iter().copied());
+    let problem = Problem::new("unknown-evidence", message).at(source, place);
+    Err(problem.remedy(match (similar, ids.is_empty()) {
+        (Some(similar), _) => format!("did you mean `{similar}`?"),
+        (None, true) => "the ledger is empty".to_owned(),
+        (None, false) => format!("it has {}", ids.join(", ")),
+    }))
 }
 
 /// A problem of a table of `study.toml`, at its name.

@@ -69,8 +69,7 @@ impl fmt::Display for AutomatonError {
         match self {
             Self::TooManyPropositions { propositions } => write!(
                 formatter,
-                "the formula has {propositions} atomic propositions, but at most 64 can be told \
-                 apart; join state formulas into one proposition each"
+                "the formula has {propositions} atomic propositions, but at most 64 are supported; join state formulas into one proposition each"
             ),
             Self::TooManyUntils { untils } => write!(
                 formatter,

@@ -32,6 +32,7 @@
 
 mod channel;
 mod csv_trace;
+pub mod duration;
 mod file;
 mod parameters;
 mod predicate;

@@ -4,6 +4,7 @@
 mod bind;
 mod bound;
 mod comparison;
+mod dimensions;
 mod error;
 mod eval;
 mod functions;
@@ -184,6 +185,14 @@ impl Predicate {
     /// [`PredicateError`] with the place in the text.
     pub fn parse(text: &str) -> Result<Self, PredicateError> {
         Source::parse(text).map(Predicate)
+    }
+
+    /// Whether some recording can give it a meaning: written units go together, and it is something true or false.
+    ///
+    /// # Errors
+    /// The first mistake, with the place in the text that has it.
+    pub fn check(&self) -> Result<(), PredicateError> {
+        dimensions::check(&self.0)
     }
 
     pub(crate) fn new(source: Source) -> Self {

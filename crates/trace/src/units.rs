@@ -348,7 +348,7 @@ impl fmt::Display for UnitErrorKind {
                  J/(kg*K)",
             ),
             UnitErrorKind::Unexpected => out.write_str(
-                "this is no unit; write symbols joined by * and /, with powers as in m/s^2",
+                "this is not a unit; write symbols joined by * and /, with powers as in m/s^2",
             ),
             UnitErrorKind::TooLarge => {
                 out.write_str("the unit's exponents or factor are too large; write a simpler unit")

@@ -234,7 +234,7 @@ impl Section {
 fn number(text: &str) -> Result<u64, String> {
     text.trim()
         .parse()
-        .map_err(|_| format!("`{text}` is no line number"))
+        .map_err(|_| format!("expected a line number, found `{text}`"))
 }
 
 /// A count; negative ones, which a race in the program can leave, count as 0, as lcov has it.
@@ -244,6 +244,6 @@ fn count_of(text: &str) -> Result<u64, String> {
         (Ok(count), _) => Ok(count),
         (_, Ok(count)) if count < 0.0 => Ok(0),
         (_, Ok(count)) if count.is_finite() => Ok(count as u64),
-        _ => Err(format!("`{text}` is no count")),
+        _ => Err(format!("expected a count, found `{text}`")),
     }
 }

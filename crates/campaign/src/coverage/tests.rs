@@ -428,7 +428,7 @@ fn mistakes_in_tracefiles_have_their_line() {
         ("DA:1,1\n", "line 1: `DA` outside"),
         (
             "SF:a\nDA:x,1\nend_of_record",
-            "line 2: `x` is no line number",
+            "line 2: expected a line number, found `x`",
         ),
         (
             "SF:a\nDA:1\nend_of_record",
@@ -436,7 +436,7 @@ fn mistakes_in_tracefiles_have_their_line() {
         ),
         (
             "SF:a\nDA:1,many\nend_of_record",
-            "line 2: `many` is no count",
+            "line 2: expected a count, found `many`",
         ),
         ("SF:a\nSF:b\n", "line 2: SF before"),
         ("SF:a\nDA:1,1\n", "line 2: the text ends within a"),

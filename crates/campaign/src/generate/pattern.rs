@@ -68,7 +68,7 @@ impl TryFrom<String> for ActionPattern {
             _ => {}
         }
         Err(format!(
-            "`{text}` is no action; write \"send signal\", \"receive signal\", \"set parameter\" \
+            "unknown action `{text}`; write \"send signal\", \"receive signal\", \"set parameter\" \
              or \"set parameter=value\""
         ))
     }

@@ -177,11 +177,7 @@ fn mistakes_in_a_grammar_are_named() {
             "\"set hand=further\"",
             "no action `set hand=\"further\"`",
         ),
-        (
-            "\"send ready\"\nneeds",
-            "\"say ready\"\nneeds",
-            "is no action; write",
-        ),
+        ("\"send ready\"\nneeds", "\"say ready\"\nneeds", "; write"),
         ("begins =", "begin =", "unknown field `begin`"),
     ] {
         assert!(GRAMMAR.contains(from), "{from}");

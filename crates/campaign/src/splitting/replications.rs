@@ -43,7 +43,7 @@ pub fn combine(
     confidence: Confidence,
 ) -> Result<RareEstimate, CampaignError> {
     if descents.len() < 2 {
-        let problem = "take at least two replications: one says nothing of its own error";
+        let problem = "at least two replications are needed to estimate the error";
         return Err(CampaignError::setting("replications", problem));
     }
     let replications: Vec<f64> = descents.iter().map(|it| it.probability).collect();

@@ -128,7 +128,7 @@ impl Evaluator<'_> {
                     *value = Some(Rational::zero());
                 }
             }
-            self.may_go_on()?;
+            self.check_cancelled()?;
         }
         Ok(values)
     }
@@ -210,10 +210,10 @@ impl Evaluator<'_> {
         Ok(values)
     }
 
-    fn may_go_on(&self) -> Result<(), Failure> {
-        match self.oracle.go_on() {
-            true => Ok(()),
-            false => Err(Failure::Cancelled),
+    fn check_cancelled(&self) -> Result<(), Failure> {
+        match self.oracle.is_cancelled() {
+            false => Ok(()),
+            true => Err(Failure::Cancelled),
         }
     }
 }

@@ -37,8 +37,8 @@ impl Evaluator<'_> {
             Formula::Next(of) => {
                 if let Some(of) = set(of) {
                     let rows = Rows::new(&reading.choices);
-                    let go_on = || self.oracle.go_on();
-                    return rows.back(indicator(of), 1, maximise, &|_| true, false, &go_on);
+                    let cancelled = || self.oracle.is_cancelled();
+                    return rows.back(indicator(of), 1, maximise, &|_| true, false, &cancelled);
                 }
             }
             Formula::Until(left, right, first, last) => {
@@ -79,15 +79,15 @@ impl Evaluator<'_> {
             Some(last) => {
                 let start = right.iter().map(|holds| number(*holds)).collect();
                 let open = |state: usize| left[state] && !right[state];
-                let go_on = || self.oracle.go_on();
-                rows.back(start, last - first, best, &open, false, &go_on)?
+                let cancelled = || self.oracle.is_cancelled();
+                rows.back(start, last - first, best, &open, false, &cancelled)?
             }
         };
         if first > 0 {
             // At the step before, `left` must hold, whether `right` does or not.
             for _ in 0..first {
-                let go_on = || self.oracle.go_on();
-                values = rows.back(values, 1, best, &|state| left[state], false, &go_on)?;
+                let cancelled = || self.oracle.is_cancelled();
+                values = rows.back(values, 1, best, &|state| left[state], false, &cancelled)?;
                 for (value, left) in values.iter_mut().zip(left) {
                     if !left {
                         *value = number(false);

@@ -171,13 +171,27 @@ impl Evaluator<'_> {
             }
             RewardObjective::Cumulative(Horizon::Steps(steps)) => {
                 let start = vec![Interval::ZERO; reading.states.len()];
-                let go_on = || self.oracle.go_on();
-                Rows::new(&reading.choices).back(start, *steps, maximise, &|_| true, true, &go_on)
+                let cancelled = || self.oracle.is_cancelled();
+                Rows::new(&reading.choices).back(
+                    start,
+                    *steps,
+                    maximise,
+                    &|_| true,
+                    true,
+                    &cancelled,
+                )
             }
             RewardObjective::Instantaneous(Horizon::Steps(steps)) => {
                 let start = self.state_rewards(structure, part)?;
-                let go_on = || self.oracle.go_on();
-                Rows::new(&reading.choices).back(start, *steps, maximise, &|_| true, false, &go_on)
+                let cancelled = || self.oracle.is_cancelled();
+                Rows::new(&reading.choices).back(
+                    start,
+                    *steps,
+                    maximise,
+                    &|_| true,
+                    false,
+                    &cancelled,
+                )
             }
             RewardObjective::Cumulative(Horizon::Time(time)) => self.earned_within(&reading, time),
             RewardObjective::Instantaneous(Horizon::Time(time)) => {
@@ -257,7 +271,7 @@ fn power(own: &Interval, exponent: &Interval) -> Result<Interval, Failure> {
     let has_root = is_whole || own.low >= 0.0;
     if !is_known || !has_root || times.fract() != 0.0 || times.abs() > MOST_FACTORS {
         return Err(unsupported(
-            "a power whose exponent is no small integer or half of one",
+            "a power whose exponent is not a small integer or half of one",
         ));
     }
     let product = (0..times.abs() as u32).fold(Interval::ONE, |product, _| product.mul(base));

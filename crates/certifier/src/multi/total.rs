@@ -62,7 +62,7 @@ impl Evaluator<'_> {
             own + ahead.sum::<Rational>()
         };
         loop {
-            if !self.oracle.go_on() {
+            if self.oracle.is_cancelled() {
                 return Err(Failure::Cancelled);
             }
             let mut vectors = Vec::new();

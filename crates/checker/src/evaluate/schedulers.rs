@@ -74,7 +74,7 @@ impl<E: Numbers> Evaluator<'_, E> {
             StateFormula::Reward { bound, reward } => {
                 self.reward_scheduler(reward, worst(bound.0) != by_some)
             }
-            _ => none("the outermost operator is none that a scheduler attains"),
+            _ => none("no scheduler exists for this outermost operator"),
         }
     }
 
@@ -298,7 +298,7 @@ impl<E: Numbers> Evaluator<'_, E> {
 
 pub(super) fn none(why: &str) -> Result<Scheduler, CheckError> {
     Err(CheckError::Unsupported(format!(
-        "there is no scheduler to be written: {why}"
+        "no scheduler was written: {why}"
     )))
 }
 

@@ -188,7 +188,12 @@ pub fn read_drn<N: Arithmetic>(text: &str) -> std::result::Result<StateSpace<N>,
                 let value = reader.number::<N>(value, at + 1)?;
                 drn.transition(target, value).map_err(wrong)?;
             }
-            _ => return Err(wrong(format!("`{}` is no line of a model", line.trim()))),
+            _ => {
+                return Err(wrong(format!(
+                    "unknown line `{}`: expected `state N`, `action NAME` or `TARGET : VALUE`",
+                    line.trim()
+                )));
+            }
         }
     }
     drn.finish()
@@ -300,7 +305,12 @@ impl<N: Arithmetic> Drn<N> {
 
     fn transition(&mut self, target: &str, value: N) -> Told<()> {
         let state = target.parse::<usize>().ok().filter(|t| *t < self.states);
-        let state = state.ok_or_else(|| format!("`{target}` is no state"))?;
+        let state = state.ok_or_else(|| {
+            format!(
+                "expected the number of a state below {}, found `{target}`",
+                self.states
+            )
+        })?;
         if !value.is_non_negative() {
             return Err("this is negative: give a probability or a rate".to_owned());
         }

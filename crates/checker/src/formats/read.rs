@@ -77,7 +77,12 @@ impl Reader {
     }
 
     pub(super) fn number<N: Arithmetic>(&self, text: &str, line: usize) -> Read<N> {
-        let no_number = || self.error(line, format!("`{text}` is no number: write 0.25 or 1/4"));
+        let no_number = || {
+            self.error(
+                line,
+                format!("expected a number such as 0.25 or 1/4, found `{text}`"),
+            )
+        };
         parse::<N>(text).ok_or_else(no_number)
     }
 }
@@ -103,7 +108,7 @@ impl Line<'_> {
         let value: Option<usize> = text.parse().ok();
         value.filter(|v| *v < limit).ok_or_else(|| {
             self.error(format!(
-                "`{text}` is no {what}: give a number below {limit}, as the first line says"
+                "{what} must be a number below {limit}, as the first line says (got `{text}`)"
             ))
         })
     }
@@ -111,7 +116,11 @@ impl Line<'_> {
     fn number<N: Arithmetic>(&self, word: usize) -> Read<N> {
         let text = self.words.get(word).copied().unwrap_or("nothing");
         let value = parse::<N>(text);
-        value.ok_or_else(|| self.error(format!("`{text}` is no number: write 0.25 or 1/4")))
+        value.ok_or_else(|| {
+            self.error(format!(
+                "expected a number such as 0.25 or 1/4, found `{text}`"
+            ))
+        })
     }
 }
 
@@ -392,7 +401,11 @@ fn values(text: &str, states: usize) -> Read<(Vec<Variable>, Layout, Vec<u64>)> 
             match *word {
                 "true" => Ok(1),
                 "false" => Ok(0),
-                word => (word.parse()).map_err(|_| line.error(format!("`{word}` is no value"))),
+                word => (word.parse()).map_err(|_| {
+                    line.error(format!(
+                        "expected an integer, true or false, found `{word}`"
+                    ))
+                }),
             }
         };
         let values = words.iter().zip(&mut are_bools).map(value);
@@ -453,11 +466,15 @@ fn labels(text: &str, states: usize) -> Read<BTreeMap<String, Vec<bool>>> {
     for line in lines {
         let text = line.words[0].trim_end_matches(':');
         let state: Option<usize> = text.parse().ok().filter(|s| *s < states);
-        let state = state.ok_or_else(|| line.error(format!("`{text}` is no state")))?;
+        let state = state.ok_or_else(|| {
+            line.error(format!(
+                "expected the number of a state below {states}, found `{text}`"
+            ))
+        })?;
         for word in &line.words[1..] {
             let name = word.parse().ok().and_then(|n: usize| names.get(&n));
             let name =
-                name.ok_or_else(|| line.error(format!("`{word}` is no label of the first line")))?;
+                name.ok_or_else(|| line.error(format!("the first line has no label `{word}`")))?;
             if let Some(flags) = found.get_mut(*name) {
                 flags[state] = true;
             }

@@ -27,7 +27,7 @@ pub struct TransitionCover<N> {
 
 /// Covers the classes that `class` puts transitions (from, to) into; transitions without a class need not be
 /// taken. A path of `longest` or more transitions is not gone on with. Stops early, with the paths so far,
-/// when `go_on` says no.
+/// when `cancelled` says so.
 ///
 /// ```
 /// use checker::paths::transition_cover;
@@ -35,7 +35,7 @@ pub struct TransitionCover<N> {
 ///
 /// let rows = vec![vec![(1, 0.5), (2, 0.5)], vec![(0, 1.0)], vec![(2, 1.0)]];
 /// let space = StateSpace::from_matrix(Csr::from_rows(rows), vec![0], Vec::new());
-/// let cover = transition_cover(&space, |from, to| Some((from, to)), 100, &|| true);
+/// let cover = transition_cover(&space, |from, to| Some((from, to)), 100, &|| false);
 /// let states: Vec<_> = cover.paths.iter().map(|path| path.states.clone()).collect();
 /// assert_eq!(states, [[0, 1, 0, 2, 2]]);
 /// assert_eq!((cover.classes, cover.length), (4, 4));
@@ -44,14 +44,14 @@ pub fn transition_cover<N: Arithmetic, K: Ord>(
     space: &StateSpace<N>,
     class: impl Fn(usize, usize) -> Option<K>,
     longest: usize,
-    go_on: &dyn Fn() -> bool,
+    cancelled: &dyn Fn() -> bool,
 ) -> TransitionCover<N> {
     let mut todo = Todo::new(space, class);
     let classes = todo.taken.len();
     let mut paths = Vec::new();
     let mut length = 0;
-    while todo.open > 0 && go_on() {
-        let Some(states) = todo.tour(space, longest.max(1), go_on) else {
+    while todo.open > 0 && !cancelled() {
+        let Some(states) = todo.tour(space, longest.max(1), cancelled) else {
             // What is left has no path: that cannot be, since a state space holds reachable states only.
             break;
         };
@@ -113,7 +113,7 @@ impl Todo {
         &mut self,
         space: &StateSpace<N>,
         longest: usize,
-        go_on: &dyn Fn() -> bool,
+        cancelled: &dyn Fn() -> bool,
     ) -> Option<Vec<usize>> {
         let starts = space.initial_states();
         let mut states = shortest(space, starts, |state| self.open_from[state] > 0)?;
@@ -122,7 +122,7 @@ impl Todo {
         }
         let way_there = states.len();
         // The way to the first one may be long already: it is taken all the same.
-        while states.len() <= longest.max(way_there) && go_on() {
+        while states.len() <= longest.max(way_there) && !cancelled() {
             let here = states[states.len() - 1];
             let Some(way) = shortest(space, &[here], |state| self.open_from[state] > 0) else {
                 break;

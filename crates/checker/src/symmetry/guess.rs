@@ -7,6 +7,7 @@
 
 use prism_lang::resolved::{ActionId, Command, Model};
 use prism_lang::{Expr, ExprKind, VarIndex};
+use rustc_hash::FxHashMap;
 
 /// Images of variables, actions and modules.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,12 +29,6 @@ impl Permutation {
     /// The variables that have another image, ascending.
     pub fn moved(&self) -> impl Iterator<Item = VarIndex> {
         (0..self.variable.len()).filter(|v| self.variable[*v] != *v)
-    }
-
-    /// Whether variables go back to where they were when it is done twice.
-    pub fn is_involution(&self) -> bool {
-        let twice = |v: VarIndex| self.variable[self.variable[v]];
-        self.moved().all(|v| twice(v) == v)
     }
 }
 
@@ -80,11 +75,51 @@ impl Partial {
     }
 }
 
+/// What modules have, looked up once for all candidates.
+pub(super) struct Owned {
+    /// The module of each variable.
+    owner: Vec<Option<usize>>,
+    /// The variables of each module.
+    variables: Vec<Vec<VarIndex>>,
+    /// The modules that have each action, ascending.
+    with_action: Vec<Vec<usize>>,
+}
+
+impl Owned {
+    pub fn of(model: &Model) -> Self {
+        let modules = || model.modules.iter().enumerate();
+        let mut numbers = FxHashMap::default();
+        for (number, module) in modules() {
+            numbers.entry(module.name.as_str()).or_insert(number);
+        }
+        let owner = |name: &Option<String>| numbers.get(name.as_ref()?.as_str()).copied();
+        let owner: Vec<_> = model.variables.iter().map(|v| owner(&v.module)).collect();
+        let mut variables = vec![Vec::new(); model.modules.len()];
+        for (variable, owner) in owner.iter().enumerate() {
+            if let Some(module) = owner {
+                variables[*module].push(variable);
+            }
+        }
+        let mut with_action = vec![Vec::new(); model.actions.len()];
+        for (number, module) in modules() {
+            for action in module.commands.iter().filter_map(|c| c.action) {
+                if with_action[action].last() != Some(&number) {
+                    with_action[action].push(number);
+                }
+            }
+        }
+        Self {
+            owner,
+            variables,
+            with_action,
+        }
+    }
+}
+
 /// What is known so far.
 pub(super) struct Guess<'m> {
     model: &'m Model,
-    /// The module of each variable.
-    owner: Vec<Option<usize>>,
+    owned: &'m Owned,
     variable: Partial,
     action: Partial,
     module: Partial,
@@ -94,14 +129,14 @@ pub(super) struct Guess<'m> {
 
 impl<'m> Guess<'m> {
     /// The candidate in which the second module of each pair is the image of the first.
-    pub fn from(model: &'m Model, pairs: &[(usize, usize)]) -> Option<Permutation> {
-        let owner = |name: &Option<String>| {
-            let name = name.as_ref()?;
-            model.modules.iter().position(|m| m.name == *name)
-        };
+    pub fn from(
+        model: &'m Model,
+        owned: &'m Owned,
+        pairs: &[(usize, usize)],
+    ) -> Option<Permutation> {
         let mut guess = Self {
             model,
-            owner: model.variables.iter().map(|v| owner(&v.module)).collect(),
+            owned,
             variable: Partial::new(model.variables.len()),
             action: Partial::new(model.actions.len()),
             module: Partial::new(model.modules.len()),
@@ -136,20 +171,15 @@ impl<'m> Guess<'m> {
 
     /// A module that has an action with another image, and the only one that can take its place there.
     fn meant_by_action(&self) -> Option<(usize, usize)> {
-        let modules = &self.model.modules;
-        let has = |module: usize, action: ActionId| {
-            modules[module]
-                .commands
-                .iter()
-                .any(|c| c.action == Some(action))
-        };
+        let with = &self.owned.with_action;
         let moved = self.action.image.iter().enumerate();
         let moved = moved.filter_map(|(a, image)| image.filter(|b| *b != a).map(|b| (a, b)));
         for (a, b) in moved {
-            let is_open = |m: &usize| self.module.image[*m].is_none() && has(*m, a) && !has(*m, b);
-            let is_free = |m: &usize| self.module.origin[*m].is_none() && has(*m, b) && !has(*m, a);
-            let mut open = (0..modules.len()).filter(is_open);
-            let mut free = (0..modules.len()).filter(is_free);
+            let lacks = |m: &usize, action: ActionId| with[action].binary_search(m).is_err();
+            let is_open = |m: &usize| self.module.image[*m].is_none() && lacks(m, b);
+            let is_free = |m: &usize| self.module.origin[*m].is_none() && lacks(m, a);
+            let mut open = with[a].iter().copied().filter(is_open);
+            let mut free = with[b].iter().copied().filter(is_free);
             if let (Some(from), None, Some(to), None) =
                 (open.next(), open.next(), free.next(), free.next())
             {
@@ -171,7 +201,7 @@ impl<'m> Guess<'m> {
             return None;
         }
         if self.variable.bind(a, b)? {
-            match (self.owner[a], self.owner[b]) {
+            match (self.owned.owner[a], self.owned.owner[b]) {
                 (None, None) => {}
                 (Some(from), Some(to)) => self.bind_module(from, to)?,
                 _ => return None,
@@ -181,18 +211,14 @@ impl<'m> Guess<'m> {
     }
 
     fn match_modules(&mut self, a: usize, b: usize) -> Option<()> {
-        let own = |module: usize| {
-            let of_module = |v: &VarIndex| self.owner[*v] == Some(module);
-            (0..self.owner.len()).filter(of_module).collect::<Vec<_>>()
-        };
-        let (from, to) = (own(a), own(b));
+        let (from, to) = (&self.owned.variables[a], &self.owned.variables[b]);
         let modules = &self.model.modules;
         let (before, after) = (&modules[a].commands, &modules[b].commands);
         if before.len() != after.len() || from.len() != to.len() {
             return None;
         }
-        for (a, b) in from.into_iter().zip(to) {
-            self.bind_variable(a, b)?;
+        for (a, b) in from.iter().zip(to) {
+            self.bind_variable(*a, *b)?;
         }
         let mut commands = before.iter().zip(after);
         commands.try_for_each(|(a, b)| self.match_commands(a, b))

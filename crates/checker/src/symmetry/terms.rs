@@ -2,10 +2,11 @@
 //!
 //! Operands of sums, products, conjunctions, disjunctions, least and greatest numbers are joined and sorted, those of
 //! equalities sorted, and `a > b` is `b < a`. Conjunctions and disjunctions in which something may have no value keep their
-//! order, since what comes first decides whether the rest is evaluated. Cost: a look-up in a table for each operator.
+//! order, since what comes first decides whether the rest is evaluated. Cost: a look-up in a table for each operator, and
+//! sorting the operands of a chain.
 
 use prism_lang::ast::{BinaryOp, UnaryOp};
-use prism_lang::resolved::{Command, Model, RewardStructure, Update};
+use prism_lang::resolved::{Command, RewardItem, Update};
 use prism_lang::{Expr, ExprKind, Function, Number};
 use rustc_hash::FxHashMap;
 
@@ -40,9 +41,36 @@ pub(super) struct Terms<'m> {
     joined: Vec<Option<(BinaryOp, Vec<Term>)>>,
     may_fail: Vec<bool>,
     numbers: Vec<&'m Number>,
+    /// How many were formed, known ones included.
+    formed: u64,
 }
 
 impl<'m> Terms<'m> {
+    /// How many normal forms of parts were formed so far: what the work is measured by.
+    pub fn formed(&self) -> u64 {
+        self.formed
+    }
+
+    /// The operands of an expression whose order does not matter; the expression itself if there are none such.
+    pub fn operands(&mut self, expr: &'m Expr, permutation: &Permutation) -> Vec<&'m Expr> {
+        let Some(operator) = chained(expr) else {
+            return vec![expr];
+        };
+        let operands = chain(expr, operator);
+        let terms = operands.iter().map(|o| self.of(o, permutation));
+        let terms: Vec<Term> = terms.collect();
+        match self.is_ordered(operator, &terms) {
+            true => vec![expr],
+            false => operands,
+        }
+    }
+
+    /// Whether what comes first decides whether the rest is evaluated.
+    fn is_ordered(&self, operator: BinaryOp, operands: &[Term]) -> bool {
+        matches!(operator, BinaryOp::And | BinaryOp::Or)
+            && operands.iter().any(|o| self.may_fail[*o as usize])
+    }
+
     /// The normal form of an expression's image.
     pub fn of(&mut self, expr: &'m Expr, permutation: &Permutation) -> Term {
         match &expr.kind {
@@ -64,10 +92,13 @@ impl<'m> Terms<'m> {
                 let a = self.of(a, permutation);
                 self.node(Operator::Unary(*operator), vec![a])
             }
-            ExprKind::Binary(operator, a, b) => {
-                let (a, b) = (self.of(a, permutation), self.of(b, permutation));
-                self.binary(*operator, a, b)
-            }
+            ExprKind::Binary(operator, a, b) => match chained(expr) {
+                Some(operator) => self.chain(expr, operator, permutation),
+                None => {
+                    let (a, b) = (self.of(a, permutation), self.of(b, permutation));
+                    self.binary(*operator, a, b)
+                }
+            },
             ExprKind::IfThenElse(a, b, c) => {
                 let parts = [a, b, c].map(|e| self.of(e, permutation));
                 self.node(Operator::Choice, parts.to_vec())
@@ -84,6 +115,40 @@ impl<'m> Terms<'m> {
         }
     }
 
+    /// A chain of one operator, joined at once where its order does not matter.
+    fn chain(&mut self, expr: &'m Expr, operator: BinaryOp, permutation: &Permutation) -> Term {
+        let operands = chain(expr, operator);
+        let mut terms: Vec<Term> = operands.iter().map(|o| self.of(o, permutation)).collect();
+        if self.is_ordered(operator, &terms) {
+            return self.nested(expr, operator, &mut terms.into_iter());
+        }
+        terms.sort_unstable();
+        self.join(operator, terms)
+    }
+
+    /// A chain as it is nested, of which the operands' normal forms are given in order.
+    fn nested(
+        &mut self,
+        expr: &Expr,
+        operator: BinaryOp,
+        operands: &mut impl Iterator<Item = Term>,
+    ) -> Term {
+        match &expr.kind {
+            ExprKind::Binary(own, a, b) if *own == operator => {
+                let a = self.nested(a, operator, operands);
+                let b = self.nested(b, operator, operands);
+                self.binary(operator, a, b)
+            }
+            _ => operands.next().expect("an operand for each place"),
+        }
+    }
+
+    fn join(&mut self, operator: BinaryOp, sorted: Vec<Term>) -> Term {
+        let term = self.node(Operator::Binary(operator), sorted.clone());
+        self.joined[term as usize] = Some((operator, sorted));
+        term
+    }
+
     fn binary(&mut self, operator: BinaryOp, a: Term, b: Term) -> Term {
         let may_fail = self.may_fail[a as usize] || self.may_fail[b as usize];
         let node = Operator::Binary;
@@ -98,9 +163,7 @@ impl<'m> Terms<'m> {
                     }
                 }
                 parts.sort_unstable();
-                let term = self.node(node(operator), parts.clone());
-                self.joined[term as usize] = Some((operator, parts));
-                term
+                self.join(operator, parts)
             }
             BinaryOp::Equal | BinaryOp::NotEqual | BinaryOp::Iff => {
                 self.node(node(operator), vec![a.min(b), a.max(b)])
@@ -111,20 +174,8 @@ impl<'m> Terms<'m> {
         }
     }
 
-    /// The images of a module's commands, sorted.
-    pub fn commands(
-        &mut self,
-        model: &'m Model,
-        module: usize,
-        permutation: &Permutation,
-    ) -> Vec<Term> {
-        let commands = model.modules[module].commands.iter();
-        let mut images: Vec<Term> = commands.map(|c| self.command(c, permutation)).collect();
-        images.sort_unstable();
-        images
-    }
-
-    fn command(&mut self, command: &'m Command, permutation: &Permutation) -> Term {
+    /// The normal form of a command's image.
+    pub fn command(&mut self, command: &'m Command, permutation: &Permutation) -> Term {
         let mut parts = vec![self.of(&command.guard, permutation)];
         let updates = command.updates.iter();
         parts.extend(updates.map(|update| self.update(update, permutation)));
@@ -147,16 +198,11 @@ impl<'m> Terms<'m> {
         self.node(Operator::Update, parts)
     }
 
-    /// The images of a reward structure's items, sorted.
-    pub fn items(&mut self, rewards: &'m RewardStructure, permutation: &Permutation) -> Vec<Term> {
-        let mut images = Vec::new();
-        for item in &rewards.items {
-            let parts = [&item.guard, &item.value].map(|e| self.of(e, permutation));
-            let transition = item.transition.map_or(-2, |a| action(a, permutation));
-            images.push(self.intern(Operator::Item, transition, parts.to_vec()));
-        }
-        images.sort_unstable();
-        images
+    /// The normal form of the image of a reward structure's item.
+    pub fn item(&mut self, item: &'m RewardItem, permutation: &Permutation) -> Term {
+        let parts = [&item.guard, &item.value].map(|e| self.of(e, permutation));
+        let transition = item.transition.map_or(-2, |a| action(a, permutation));
+        self.intern(Operator::Item, transition, parts.to_vec())
     }
 
     fn leaf(&mut self, operator: Operator, value: i64) -> Term {
@@ -168,6 +214,7 @@ impl<'m> Terms<'m> {
     }
 
     fn intern(&mut self, operator: Operator, value: i64, operands: Vec<Term>) -> Term {
+        self.formed += 1;
         let partial = matches!(
             operator,
             Operator::Binary(BinaryOp::Divide | BinaryOp::Power)
@@ -182,6 +229,29 @@ impl<'m> Terms<'m> {
         }
         term
     }
+}
+
+/// The operator of an expression that may be one of a chain.
+fn chained(expr: &Expr) -> Option<BinaryOp> {
+    match expr.kind {
+        ExprKind::Binary(
+            operator @ (BinaryOp::And | BinaryOp::Or | BinaryOp::Plus | BinaryOp::Times),
+            ..,
+        ) => Some(operator),
+        _ => None,
+    }
+}
+
+/// The operands of a chain, in their order.
+fn chain(expr: &Expr, operator: BinaryOp) -> Vec<&Expr> {
+    let (mut operands, mut open) = (Vec::new(), vec![expr]);
+    while let Some(expr) = open.pop() {
+        match &expr.kind {
+            ExprKind::Binary(own, a, b) if *own == operator => open.extend([&**b, &**a]),
+            _ => operands.push(expr),
+        }
+    }
+    operands
 }
 
 /// The number of an action's image; -1 for none.

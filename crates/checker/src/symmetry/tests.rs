@@ -264,3 +264,56 @@ proptest! {
         prop_assert!(some <= all);
     }
 }
+
+/// Copies of a module that move together, and a module that says which of them may go back.
+fn many(copies: usize) -> String {
+    let module = |i: usize| format!("module m{i} = m0 [x0=x{i}, back0=back{i}] endmodule ");
+    let modules: String = (1..copies).map(module).collect();
+    let slot = |i: usize| format!("[back{i}] free -> (free'=false); ");
+    let slots: String = (0..copies).map(slot).collect();
+    let all: Vec<String> = (0..copies).map(|i| format!("x{i}=1")).collect();
+    format!(
+        "mdp module m0 x0 : [0..1]; [go] x0=0 -> 1/2 : (x0'=1) + 1/2 : true; [back0] x0=1 -> (x0'=0); endmodule {modules}
+         module slot free : bool; {slots} [] !free -> (free'=true); endmodule
+         label \"all\" = {};",
+        all.join(" & ")
+    )
+}
+
+/// How many parts are brought into a normal form in the search, and the symmetries.
+fn searched(copies: usize, go_on: &dyn Fn() -> bool) -> (u64, Vec<Class>) {
+    let (model, asked) = read(&many(copies), "Pmax=? [ F \"all\" ]");
+    let asked = Asked::of(&model, asked.iter().map(|p| &p.property)).expect("no filters");
+    let mut search = Search::new(&model, &asked, go_on).expect("no rewards");
+    let found = search.generators();
+    let classes = classes(&found, model.variables.len());
+    (search.terms.formed(), classes)
+}
+
+fn blocks_of(classes: &[Class]) -> usize {
+    match classes {
+        [Class::Blocks(blocks)] => blocks.len(),
+        other => panic!("one class of blocks: {other:?}"),
+    }
+}
+
+#[test]
+fn work_grows_with_the_number_of_copies_and_not_faster() {
+    let (few, classes) = searched(100, &|| true);
+    assert_eq!(blocks_of(&classes), 100);
+    let (many, classes) = searched(1_000, &|| true);
+    assert_eq!(blocks_of(&classes), 1_000);
+    assert!(many < 11 * few, "{few} {many}");
+}
+
+#[test]
+fn a_search_that_is_stopped_keeps_what_it_has() {
+    let left = std::cell::Cell::new(7);
+    let go_on = || {
+        left.set(left.get() - 1);
+        left.get() > 0
+    };
+    let (_, classes) = searched(100, &go_on);
+    assert_eq!(blocks_of(&classes), 7);
+    assert_eq!(searched(100, &|| false).1, []);
+}

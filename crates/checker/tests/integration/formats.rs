@@ -141,12 +141,12 @@ fn mistakes_are_told_with_file_and_line() {
         (tra(""), "tra", 1, "first line"),
         (tra("900000000000 1\n0 0 1"), "tra", 1, "not enough lines"),
         (tra("two states"), "tra", 1, "numbers"),
-        (tra("2 2\n0 2 1"), "tra", 2, "no state"),
-        (tra("2 2\n0 1 p"), "tra", 2, "no number"),
+        (tra("2 2\n0 2 1"), "tra", 2, "state must be"),
+        (tra("2 2\n0 1 p"), "tra", 2, "expected a number"),
         (tra("2 2\n# here\n0 1 -1"), "tra", 3, "negative"),
         (tra("2 2\n0 1 0.5\n1 1 1"), "tra", 1, "sum to 0.5"),
         (tra("2 3\n0 1 0.5\n0 1 0.5\n1 1 1"), "tra", 1, "add them up"),
-        (tra("2 2 2\n0 5 1 1\n1 0 1 1"), "tra", 2, "no choice"),
+        (tra("2 2 2\n0 5 1 1\n1 0 1 1"), "tra", 2, "choice must be"),
         (
             ExplicitFiles {
                 states: Some("(x)\n0:(1)\n7:(2)"),
@@ -199,7 +199,7 @@ fn mistakes_are_told_with_file_and_line() {
             },
             "srew",
             2,
-            "no number",
+            "expected a number",
         ),
         (
             ExplicitFiles {
@@ -227,12 +227,12 @@ fn mistakes_in_drn_files_have_a_line() {
         ("0 [1] init", "0 [1, 2] init", 11, "expected 1 rewards"),
         ("0 [1] init", "0 [1] start", 16, "`init`"),
         ("1 : 1", "1 : 0.5", 16, "sum to 0.5"),
-        ("1 : 1", "7 : 1", 13, "no state"),
+        ("1 : 1", "7 : 1", 13, "number of a state"),
         ("1 : 1", "1 : -1", 13, "negative"),
-        ("1 : 1", "1 : x", 13, "no number"),
+        ("1 : 1", "1 : x", 13, "expected a number"),
         ("state 1", "state 2", 14, "not the next"),
         ("[2]", "[2", 15, "without `]`"),
-        ("action a", "act a", 12, "no line"),
+        ("action a", "act a", 12, "unknown line"),
     ] {
         let error = read_drn::<f64>(&format!("{head}{}", good.replacen(from, to, 1))).unwrap_err();
         assert_eq!((error.file, error.line), ("drn", line), "{error}");

@@ -24,6 +24,9 @@ pub struct Assure {
     /// Where the results are, if not in STUDY/results.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    /// How what was written is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
 }
 
 /// Arguments of `verify`.

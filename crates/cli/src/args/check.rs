@@ -1,5 +1,6 @@
 //! Arguments of `check`.
 
+use super::duration;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -110,7 +111,7 @@ pub struct Check {
     /// End with a message when more than this many GB of memory are taken; by default 90 % of what is free.
     #[arg(long, value_name = "GB", value_parser = gigabytes)]
     pub memory_limit: Option<f64>,
-    /// End after so long with what was found: seconds, or with a unit 30s, 5m, 2h, 1d.
+    /// End after so long with what was found: seconds, or with a unit, for example `30s` or `5 min`.
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub timeout: Option<Duration>,
     /// Only fair schedulers: each choice of each state that is visited infinitely often is taken infinitely often.
@@ -144,24 +145,6 @@ pub enum Termination {
     Relative,
     /// As it is.
     Absolute,
-}
-
-fn duration(text: &str) -> Result<Duration, String> {
-    let units = [
-        ("s", 1.0),
-        ("m", 60.0),
-        ("h", 3600.0),
-        ("d", 86_400.0),
-        ("w", 604_800.0),
-    ];
-    let unit = units
-        .iter()
-        .find_map(|(unit, secs)| Some((text.strip_suffix(unit)?, secs)));
-    let (number, secs) = unit.unwrap_or((text, &1.0));
-    let secs = number.parse::<f64>().map(|number| number * secs);
-    let secs = secs.ok().filter(|secs| *secs > 0.0);
-    secs.and_then(|secs| Duration::try_from_secs_f64(secs).ok())
-        .ok_or_else(|| "it must be a positive time, such as 30, 30s, 5m or 2h".to_owned())
 }
 
 fn precision(text: &str) -> Result<f64, String> {

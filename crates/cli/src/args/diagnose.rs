@@ -12,14 +12,14 @@ Examples:
   corroborate diagnose my-study --half-step 20 --engines 20
   corroborate diagnose case-studies/handover --show E1:17
 
-Finds which asset is to blame for what disagrees in a study that has been run,
+Finds which asset causes the disagreements in a study that has been run,
 by changing one asset at a time: properties and monitors on paths sampled from
 the formal models, on the episodes and on the recordings; computed answers
 against sampled ones; on request half the time step and the other engine.
 Prints the matrix and a ranked list of suspects, and adds both to the results'
 study.json and report.html. With --show prints one sampled path instead.
 Exits 1 if there is a suspect with a score of 1 or more that no later evidence
-has mended.")]
+has fixed.")]
 pub struct Diagnose {
     /// The study's folder.
     pub study: PathBuf,

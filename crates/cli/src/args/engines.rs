@@ -35,8 +35,8 @@ verdict on an episode differs. With --against another
 entry takes the place of Rapier, whatever its simulator is, with the seeds of
 the first; signals of the same name are compared. With --determinism each
 episode is run again, and saved in its middle and continued, and the hashes of
-all its recordings are compared; exits 1 if two differ. An entry that is no
-scene (the handover) is run in MuJoCo alone, with --determinism.")]
+all its recordings are compared; exits 1 if two differ. An entry that is not
+a scene (the handover) is run in MuJoCo alone, with --determinism.")]
 pub struct Engines {
     /// The study's folder.
     pub study: PathBuf,

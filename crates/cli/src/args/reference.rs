@@ -7,7 +7,9 @@ const HEAD: &str = "\
 # Commands
 
 Made of the definitions by which arguments are parsed; `corroborate COMMAND --help` prints the same. Options in bold are
-required. The forms of JSON that `--format json` prints are in [`schemas/`](../../schemas).
+required. The forms of JSON that `--format json` prints are in [`schemas/`](../../schemas). A `TIME` is a number of seconds, or a
+number and a unit: `ns`, `us`, `ms`, `s`, `min` or `m`, `h`, `d`, `w` (`300`, `300s`, `5m` and `5 min` are the same); so are durations
+in `topics.toml`. In sentences and requirements `m` is the metre.
 
 ";
 
@@ -184,7 +186,7 @@ fn every_argument_of_every_command_has_a_meaning() {
             let name = command.get_name();
             assert!(
                 said.contains(' '),
-                "{name}: {} says nothing",
+                "{name}: {} has no description",
                 argument.get_id()
             );
         }

@@ -7,7 +7,7 @@ const COMPONENTS: &str = "components are not written: write the model (--export-
 const GRAPH: &str =
     "this form is not written: --export-model writes .tra, .sta, .lab, .srew, .trew, .dot and .drn";
 const LANGUAGE: &str = "only the PRISM language and explicit files are read";
-const DEADLOCKS: &str = "deadlocks always get a self-loop, which is noted: ask for `filter(forall, !\"deadlock\")` to be told";
+const DEADLOCKS: &str = "deadlocks always get a self-loop, which is noted: ask for `filter(forall, !\"deadlock\")` to check for them";
 
 /// All of them.
 pub const REFUSED: [Refused; 30] = [

@@ -81,10 +81,10 @@ episode of an evidence by its number. The folder gets replay.html (a 3D view
 with signals and verdicts; opens offline), recording.mcap (everything recorded),
 verdicts.mcap and scene.mcap (for Foxglove's 3D panel). With --check all
 regressions are run again. The file of each says what is expected of it:
-`expected = \"fails\"` until its fault is mended, `expected = \"passes\"` from then
+`expected = \"fails\"` until its fault is fixed, `expected = \"passes\"` from then
 on. To pass, its requirement has to come up and to be decided. --check exits 1 if
 one that is expected to pass fails again, if one that is expected to fail passes
-(with --update that is written into its file and is no failure), or if one
+(with --update that is written into its file and is not a failure), or if one
 neither fails nor passes or cannot be run; --junit writes the same for a build
 server.
 Without --check exits 1 if a finding or regression no longer shows what it did, 3

@@ -1,6 +1,6 @@
 //! Arguments of `watch`.
 
-use super::{Format, TimeChoice};
+use super::{Format, TimeChoice, duration};
 use clap::{ArgGroup, Args};
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -85,39 +85,7 @@ pub struct Watch {
     /// Seed of the simulation instead of the study's.
     #[arg(long, value_name = "N", requires = "simulate")]
     pub seed: Option<u64>,
-    /// How what happens is told; `json`: one object a line.
+    /// Format of the events; `json`: one object a line.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-}
-
-/// A duration with its unit.
-fn duration(text: &str) -> Result<Duration, String> {
-    let written = text.trim();
-    let digits = written
-        .find(|c: char| !(c.is_ascii_digit() || c == '.'))
-        .unwrap_or(written.len());
-    let spaced = format!("{} {}", &written[..digits], written[digits..].trim());
-    let quantity = spaced.parse::<trace::units::QuantityValue>().ok();
-    let secs = quantity
-        .filter(|q| q.dimension() == trace::units::Dimension::TIME)
-        .map(|q| q.si_value())
-        .filter(|secs| *secs > 0.0 && *secs <= 1e9);
-    secs.map(Duration::from_secs_f64)
-        .ok_or_else(|| "must be a time with its unit, for example 60s or 5 min".into())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::duration;
-    use std::time::Duration;
-
-    #[test]
-    fn durations_have_units() {
-        assert_eq!(duration("60s"), Ok(Duration::from_secs(60)));
-        assert_eq!(duration("2 min"), Ok(Duration::from_secs(120)));
-        assert_eq!(duration("500ms"), Ok(Duration::from_millis(500)));
-        for bad in ["", "60", "s", "5 m", "-1 s", "0s", "1e400 s"] {
-            assert!(duration(bad).is_err(), "{bad}");
-        }
-    }
 }

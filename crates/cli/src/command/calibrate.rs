@@ -3,10 +3,8 @@
 use super::{Done, Host, json, use_threads};
 use crate::args::{Calibrate, Format};
 use crate::shown_calibration::as_text;
-use corroborate::CalibrateRequest;
-use corroborate::outcome::Outcome;
+use corroborate::{CalibrateRequest, Ended};
 use diagnostic::Problem;
-use evidence::Likeness;
 use host::files::write_whole;
 
 /// Fits, checks, and writes the fitted set.
@@ -22,11 +20,7 @@ pub fn calibrate(arguments: &Calibrate, setting: &Host) -> Result<Done, Problem>
         write_whole(path, report.parameter_set.as_bytes())?;
     }
     Ok(Done {
-        outcome: match report.conclusion {
-            Likeness::Equivalent => Outcome::Holds,
-            Likeness::Different => Outcome::Violated,
-            Likeness::Undecided | Likeness::Fit => Outcome::Inconclusive,
-        },
+        outcome: report.outcome(),
         output: match arguments.format {
             Format::Json => json(&report)?,
             Format::Text => as_text(&report),

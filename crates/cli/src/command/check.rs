@@ -5,11 +5,11 @@ mod print;
 use super::{Done, Host, json};
 use crate::args::{Check, CheckFormat, Termination, refused};
 use crate::memory::Memory;
-use corroborate::outcome::Outcome;
+use corroborate::Ended;
 use diagnostic::Problem;
 use prism_lang::Experiment;
 use prism_lang::ast::ModelType;
-use query::{CheckReport, CheckRequest, Exports, ModelInput, PropertyInput, PropertyReport};
+use query::{CheckRequest, Exports, ModelInput, PropertyInput};
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub fn check(arguments: &Check, setting: &Host) -> Result<Done, Problem> {
         ..setting.clone()
     };
     let print = |bytes: &[u8]| std::io::stdout().write_all(bytes);
-    let found = query::check(&request, &host, &print)?;
+    let found = corroborate::check(&request, &host, &print)?;
     let is_for_lines = arguments.format == CheckFormat::Jsonl;
     let report = match found.problem {
         Some(problem) if !found.report.is_built() && !is_for_lines => return Err(problem),
@@ -38,7 +38,7 @@ pub fn check(arguments: &Check, setting: &Host) -> Result<Done, Problem> {
         match report.is_finished() {
             true => query::write_results(file, &report, &print)?,
             false => (setting.events).say(&format!(
-                "note: {file} is not written, since not all answers are there"
+                "note: {file} not written: some properties have no result"
             )),
         }
     }
@@ -49,7 +49,7 @@ pub fn check(arguments: &Check, setting: &Host) -> Result<Done, Problem> {
     };
     Ok(Done {
         output,
-        outcome: outcome(&report),
+        outcome: report.outcome(),
     })
 }
 
@@ -123,7 +123,7 @@ fn say_what_has_no_effect(arguments: &Check, setting: &Host) {
             file if file.starts_with("-export") => "what it writes cannot be written yet",
             "-valiter" | "-power" | "-pow" | "-pwr" | "-gaussseidel" | "-gs" | "-jacobi"
             | "-jac" | "-politer" | "-modpoliter" => {
-                "another flag asks for answers that are no estimates"
+                "another flag asks for answers with a guarantee"
             }
             "-sim" => "the answers are computed, not estimated from samples",
             "-noprobchecks" => "probabilities are always checked",
@@ -143,23 +143,6 @@ fn constants(texts: &[String]) -> Result<Experiment, Problem> {
         Problem::new("bad-constants", format!("--const: {error}"))
             .remedy("write for example --const N=5,p=0.1 or, for a range, --const N=1:2:9")
     })
-}
-
-fn outcome(report: &CheckReport) -> Outcome {
-    let any = |test: &dyn Fn(&PropertyReport) -> bool| report.properties.iter().any(test);
-    if report.interrupted.is_some() {
-        Outcome::Interrupted
-    } else if any(&|p| p.result.as_deref() == Some("false")) {
-        Outcome::Violated
-    } else if any(&|p| p.is_wrong()) {
-        Outcome::Wrong
-    } else if report.distributions.iter().any(|d| d.error.is_some())
-        || any(&|p| p.error.is_some() || p.certificate.as_ref().is_some_and(|c| !c.is_good()))
-    {
-        Outcome::Inconclusive
-    } else {
-        Outcome::Holds
-    }
 }
 
 #[cfg(test)]

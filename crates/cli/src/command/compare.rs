@@ -2,7 +2,7 @@
 
 use super::{Done, json};
 use crate::args::{Compare, Format};
-use corroborate::{CompareReport, CompareRequest};
+use corroborate::{CompareReport, CompareRequest, Ended};
 use diagnostic::Problem;
 use evidence::Comparison;
 

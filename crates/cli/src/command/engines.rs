@@ -3,12 +3,12 @@
 
 use super::{Done, Host, json, use_threads};
 use crate::args::{Engines, Format};
+use corroborate::Ended;
 use corroborate::engines::{
     EnginesReport, EnginesRequest, Repeated, SignalKind, SignalReport, VerdictReport,
 };
-use corroborate::outcome::Outcome;
 use corroborate::technique::campaign::failures_in_words;
-use diagnostic::Problem;
+use diagnostic::{Problem, counted};
 use std::fmt::Write;
 
 /// Runs the command.
@@ -29,17 +29,19 @@ pub fn engines(arguments: &Engines, setting: &Host) -> Result<Done, Problem> {
             Format::Json => json(&report)?,
             Format::Text => text(&report),
         },
-        outcome: match report.is_same() {
-            true => Outcome::Holds,
-            false => Outcome::Violated,
-        },
+        outcome: report.outcome(),
     })
 }
 
 fn text(report: &EnginesReport) -> String {
     let mut out = String::new();
     let (engines, episodes) = (report.engines.join(" and "), report.episodes);
-    let _ = writeln!(out, "{}: {episodes} episodes in {engines}", report.evidence);
+    let _ = writeln!(
+        out,
+        "{}: {} in {engines}",
+        report.evidence,
+        counted(episodes, "episode")
+    );
     if report.repeated.is_empty() {
         verdicts(&report.verdicts, episodes, &mut out);
     }
@@ -58,9 +60,9 @@ fn text(report: &EnginesReport) -> String {
     if !report.signals.is_empty() {
         let _ = writeln!(
             out,
-            "\n{} of {} signals are the same",
+            "\nThe same: {} of {}",
             same.count(),
-            report.signals.len()
+            counted(report.signals.len(), "signal")
         );
     }
     for signal in not_compared {

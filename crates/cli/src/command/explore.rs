@@ -3,11 +3,10 @@
 
 use super::{Done, Host, json, use_threads};
 use crate::args::{Explore, Format};
+use corroborate::Ended;
 use corroborate::explore::{DisagreementRequest, ExploreRequest, map_disagreement};
-use corroborate::outcome::Outcome;
-use corroborate::technique::exploration::{ExplorationReport, as_text, disagreement_text};
+use corroborate::technique::exploration::{as_text, disagreement_text};
 use diagnostic::Problem;
-use evidence::{DisagreementMap, SearchEnd, Stopped};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -43,26 +42,8 @@ pub fn explore(arguments: &Explore, setting: &Host) -> Result<Done, Problem> {
             Format::Json => json(&report)?,
             Format::Text => as_text(&report),
         },
-        outcome: outcome(&report),
+        outcome: report.outcome(),
     })
-}
-
-fn outcome(report: &ExplorationReport) -> Outcome {
-    let mut findings = report.found.findings.iter();
-    // Simulators that fail say nothing of the robot.
-    let is_found = findings.any(|finding| !finding.shows.is_of_simulator());
-    let is_lost = report
-        .found
-        .findings
-        .iter()
-        .any(|finding| finding.shows.is_of_simulator() || !finding.found.replayed);
-    match (report.found.stopped, is_found, is_lost) {
-        (Stopped::Interrupted, ..) => Outcome::Interrupted,
-        // What was found stands, whatever else was lost.
-        (_, true, _) => Outcome::Violated,
-        (_, _, true) => Outcome::DataLost,
-        _ => Outcome::Holds,
-    }
 }
 
 /// Searches for disagreement, and writes what was found.
@@ -80,23 +61,15 @@ fn disagreement(arguments: &Explore, setting: &Host) -> Result<Done, Problem> {
             Format::Json => json(&report)?,
             Format::Text => disagreement_text(&report),
         },
-        outcome: of_disagreement(&report),
+        outcome: report.outcome(),
     })
-}
-
-fn of_disagreement(report: &DisagreementMap) -> Outcome {
-    match report.ended {
-        SearchEnd::Interrupted => Outcome::Interrupted,
-        _ if report.shares.differs > 0.0 => Outcome::Violated,
-        SearchEnd::Decided => Outcome::Holds,
-        SearchEnd::Budget => Outcome::Inconclusive,
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::command::tests::assert_schema_is_committed;
+    use corroborate::technique::exploration::ExplorationReport;
+    use evidence::DisagreementMap;
 
     #[test]
     fn the_committed_schemas_are_the_forms_that_are_written() {

@@ -4,7 +4,7 @@ use super::Done;
 use crate::args::FormatFiles;
 use crate::terminal::read_standard_input;
 use crate::terminal::to_stderr;
-use corroborate::outcome::Outcome;
+use corroborate::Outcome;
 use diagnostic::{Problem, Source};
 use host::files::write_whole;
 use std::path::{Path, PathBuf};

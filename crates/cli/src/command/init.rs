@@ -1,9 +1,9 @@
 //! `corroborate init`: a new study, from a template or drafted from a robot's description or a recording.
 
-use super::{Done, json, schema};
+use super::{Done, json};
 use crate::args::Init;
+use corroborate::Outcome;
 use corroborate::init::{InitReport, InitRequest, InitSource, NewFile, Template};
-use corroborate::outcome::Outcome;
 use diagnostic::Problem;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -29,10 +29,10 @@ pub fn init(arguments: &Init) -> Result<Done, Problem> {
 
 /// The first line of each file names its schema; editors that know TOML complete and check by it.
 fn schemas() -> Result<Vec<NewFile>, Problem> {
-    let files = schema::files().into_iter();
+    let files = corroborate::schemas::files().into_iter();
     files
         .map(|file| {
-            let path = Path::new(".schemas").join(schema::schema_name(file.name));
+            let path = Path::new(".schemas").join(file.schema_name());
             json(&file.schema).map(|text| NewFile::text(path, text))
         })
         .collect()

@@ -22,9 +22,8 @@ pub fn inspect(arguments: &Inspect, host: &Host) -> Result<Done, Problem> {
         opening: arguments.opening.options(),
         gap_factor: arguments.gap_factor,
         packages: arguments.packages.clone(),
-        library: host.physics_library.clone(),
     };
-    let found = corroborate::inspect(&request)?;
+    let found = corroborate::inspect(&request, host)?;
     let outcome = found.outcome();
     let output = match found {
         Inspected::Recording(found) => of_recording(arguments, *found)?,

@@ -5,22 +5,22 @@ mod text;
 
 use super::{Done, Host, json};
 use crate::args::{EndingChoice, Format, Monitor, TimeChoice};
-use corroborate::outcome::Outcome;
+use corroborate::Ended;
 use diagnostic::Problem;
-use judging::{MonitorReport, MonitorRequest, Monitored};
+use judging::{MonitorRequest, Monitored};
 use std::path::{Path, PathBuf};
 use temporal::formula::{Ending, TimeModel};
 
 /// Judges recordings.
 pub fn monitor(arguments: &Monitor, setting: &Host) -> Result<Done, Problem> {
-    let report = judging::monitor(&request(arguments)?, setting)?;
+    let report = corroborate::monitor(&request(arguments)?, setting)?;
     let output = match arguments.format {
         Format::Json => json(&report)?,
         Format::Text => text::text(&report),
     };
     Ok(Done {
         output,
-        outcome: outcome(&report),
+        outcome: report.outcome(),
     })
 }
 
@@ -76,18 +76,6 @@ fn formulas(arguments: &Monitor) -> Monitored {
             false => TimeModel::Discrete,
         },
         start_within_secs: arguments.start_within,
-    }
-}
-
-fn outcome(report: &MonitorReport) -> Outcome {
-    if report.is_violated() {
-        Outcome::Violated
-    } else if !report.is_complete() {
-        Outcome::DataLost
-    } else if report.is_inconclusive() {
-        Outcome::Inconclusive
-    } else {
-        Outcome::Holds
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::{Done, Host, json};
 use crate::args::{Format, Plan};
-use corroborate::outcome::Outcome;
+use corroborate::Outcome;
 use corroborate::{Freshness, PlannedEvidence, RunPlan, RunRequest};
-use diagnostic::Problem;
+use diagnostic::{Problem, counted};
 
 /// Plans a run.
 pub fn plan(arguments: &Plan, setting: &Host) -> Result<Done, Problem> {
@@ -93,8 +93,7 @@ fn time(secs: f64) -> String {
 fn evidence(planned: &PlannedEvidence) -> String {
     let kept = match planned.kept_episodes {
         None | Some(0) => String::new(),
-        Some(1) => "; 1 episode of an interrupted run is kept".to_owned(),
-        Some(kept) => format!("; {kept} episodes of an interrupted run are kept"),
+        Some(kept) => format!("; {} of an interrupted run kept", counted(kept, "episode")),
     };
     let took = planned.last_took_secs.map_or(String::new(), |secs| {
         format!("; took {} last time", time(secs))

@@ -2,7 +2,7 @@
 
 use super::{Done, Host, json, use_threads};
 use crate::args::{Format, Rare};
-use corroborate::outcome::Outcome;
+use corroborate::Ended;
 use corroborate::rare::{EventReport, RareReport, RareRequest};
 use corroborate::technique::campaign::failures_in_words;
 use diagnostic::Problem;
@@ -19,20 +19,12 @@ pub fn rare(arguments: &Rare, setting: &Host) -> Result<Done, Problem> {
     };
     let report = corroborate::rare(&request, setting)?;
     Ok(Done {
-        outcome: outcome(&report),
+        outcome: report.outcome(),
         output: match arguments.format {
             Format::Json => json(&report)?,
             Format::Text => text_of(&report),
         },
     })
-}
-
-fn outcome(report: &RareReport) -> Outcome {
-    match (report.is_contradicted(), report.is_complete()) {
-        (true, _) => Outcome::Violated,
-        (false, false) => Outcome::Inconclusive,
-        (false, true) => Outcome::Holds,
-    }
 }
 
 /// For people.

@@ -6,7 +6,7 @@ mod regressions;
 
 use super::{Done, Host, json, use_threads};
 use crate::args::{Format, Replay};
-use corroborate::outcome::Outcome;
+use corroborate::Ended;
 use corroborate::replay::{ReplayReport, ReplayRequest, replay_with_page};
 use diagnostic::Problem;
 use evidence::RunVerdict;
@@ -23,11 +23,7 @@ pub fn replay(arguments: &Replay, setting: &Host) -> Result<Done, Problem> {
             Format::Json => json(&report)?,
             Format::Text => as_text(&report),
         },
-        outcome: match (report.shown, report.same_bytes) {
-            (Some(false), _) => Outcome::Violated,
-            (_, Some(false)) => Outcome::DataLost,
-            _ => Outcome::Holds,
-        },
+        outcome: report.outcome(),
     })
 }
 

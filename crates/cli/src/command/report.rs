@@ -1,9 +1,9 @@
 //! `corroborate report`: the report of a study that has been run.
 
-use super::run::{terminal_width, use_colour};
 use super::{Done, json};
 use crate::args::{Format, Report};
-use corroborate::corroboration;
+use crate::terminal::{terminal_width, use_colour};
+use corroborate::Ended;
 use corroborate::results::{REPORT, read_current_result, results_folder};
 use diagnostic::Problem;
 use host::files::write_whole;
@@ -24,6 +24,6 @@ pub fn report(arguments: &Report) -> Result<Done, Problem> {
     };
     Ok(Done {
         output,
-        outcome: corroboration::outcome(&result),
+        outcome: result.outcome(),
     })
 }

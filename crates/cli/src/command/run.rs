@@ -3,10 +3,9 @@
 
 use super::{Done, Host, json, use_threads};
 use crate::args::{Format, Run};
-use corroborate::corroboration;
-use corroborate::outcome::Outcome;
+use crate::terminal::{terminal_width, use_colour};
 use corroborate::results::REPORT;
-use corroborate::{EvidenceReport, RunReport, RunRequest, run_with_page};
+use corroborate::{Ended, EvidenceReport, Outcome, RunReport, RunRequest, run_with_page};
 use diagnostic::Problem;
 use evidence::{Evidence, StudyResult};
 
@@ -25,18 +24,6 @@ pub fn run(arguments: &Run, setting: &Host) -> Result<Done, Problem> {
     }
 }
 
-/// Columns of the terminal that shows the summary.
-pub fn terminal_width() -> usize {
-    let columns = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok());
-    columns.unwrap_or(100).clamp(40, 160)
-}
-
-/// Whether the summary may use colour.
-pub fn use_colour() -> bool {
-    use std::io::IsTerminal;
-    std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none()
-}
-
 fn whole(result: &StudyResult, request: &RunRequest, format: Format) -> Result<Done, Problem> {
     let output = match format {
         Format::Json => json(result)?,
@@ -48,7 +35,7 @@ fn whole(result: &StudyResult, request: &RunRequest, format: Format) -> Result<D
     };
     Ok(Done {
         output,
-        outcome: corroboration::outcome(result),
+        outcome: result.outcome(),
     })
 }
 

@@ -4,99 +4,10 @@ mod text;
 
 use super::{Done, json};
 use crate::args::{Format, SchemaOfFile};
-use corroborate::outcome::Outcome;
+use corroborate::Outcome;
+use corroborate::schemas::{FileOfStudy, files};
 use diagnostic::{Problem, did_you_mean};
-use schemars::Schema;
 use std::fmt::Write as _;
-
-/// A kind of file that a study may have.
-pub struct FileOfStudy {
-    /// Its name, or that of its kind where a study may have several under names of its own.
-    pub name: &'static str,
-    /// What it says.
-    pub says: &'static str,
-    /// Its keys.
-    pub schema: Schema,
-}
-
-/// What each kind of file says, in the order in which a study is written.
-const SAYS: [(&str, &str); 16] = [
-    (
-        "study.toml",
-        "title, levels of confidence, conditions, seed, costs and weights",
-    ),
-    (
-        "parameters.toml",
-        "each distance, speed and time once, with its unit",
-    ),
-    (
-        "vocabulary.toml",
-        "each proposition, bound to the formal model, to signals and to columns",
-    ),
-    (
-        "requirements.toml",
-        "what is required, and the ways to fail",
-    ),
-    (
-        "ledger.toml",
-        "the evidence, oldest first: technique, assets, lineage",
-    ),
-    (
-        "topics.toml",
-        "where recordings have the signals, with units, frames and clock",
-    ),
-    (
-        "scene.toml",
-        "a simulated scene: robots, objects, people, sensors, controllers, tests",
-    ),
-    (
-        "scenario.toml",
-        "the handover's scenario: robot, object, person, sensors, tests (`scenario` of an entry of the ledger)",
-    ),
-    (
-        "scenario-parameters.toml",
-        "what tuning changes in the handover (`parameters` of an entry of the ledger)",
-    ),
-    (
-        "ros2.toml",
-        "which signals `simulate --as` writes into which messages of ROS 2",
-    ),
-    (
-        "exploration.toml",
-        "what `explore` may vary, and where its tests come from",
-    ),
-    ("calibration.toml", "what `calibrate` fits to which counts"),
-    ("rare.toml", "the events whose probability `rare` estimates"),
-    (
-        "variant.toml",
-        "a change of the assets that `what-if` tries (in `variants/`)",
-    ),
-    (
-        "finding.toml",
-        "an episode that shows something (in `regressions/`); `explore` and `shrink` write it",
-    ),
-    (
-        "looks.toml",
-        "the counts by which the study was judged so far; `run` writes it",
-    ),
-];
-
-/// All kinds of file.
-pub fn files() -> Vec<FileOfStudy> {
-    let mut schemas = corroborate::schemas::all();
-    schemas.push(("ros2.toml", corroborate::ros2_table::schema()));
-    let with_words = SAYS.iter().filter_map(|(name, says)| {
-        let place = schemas.iter().position(|(file, _)| file == name)?;
-        let (_, schema) = schemas.swap_remove(place);
-        Some(FileOfStudy { name, says, schema })
-    });
-    with_words.collect()
-}
-
-/// The schema's file beside a study's files.
-pub fn schema_name(file: &str) -> String {
-    file.replace(".toml", ".schema.json")
-}
 
 /// Shows the kinds of file, or the keys of one.
 pub fn schema(arguments: &SchemaOfFile) -> Result<Done, Problem> {
@@ -155,12 +66,9 @@ mod tests {
     use crate::command::tests::assert_schema_is_committed;
 
     #[test]
-    fn every_file_has_its_schema_and_its_words() {
-        let files = files();
-        assert_eq!(files.len(), SAYS.len());
-        assert_eq!(files.len(), corroborate::schemas::all().len() + 1);
-        for file in &files {
-            let name = format!("study/{}", schema_name(file.name));
+    fn the_committed_schemas_of_files_are_their_forms() {
+        for file in files() {
+            let name = format!("study/{}", file.schema_name());
             assert_schema_is_committed(&name, file.schema.as_value());
         }
     }

@@ -3,7 +3,7 @@
 
 use super::{Done, Host, json};
 use crate::args::{Format, Shrink};
-use corroborate::outcome::Outcome;
+use corroborate::Outcome;
 use corroborate::shrink::{ShrinkReport, ShrinkRequest};
 use diagnostic::Problem;
 use std::path::Path;

@@ -3,7 +3,7 @@
 use super::{Done, Host, json, use_threads};
 use crate::args::{self, EngineChoice, Format, Simulate};
 use corroborate::simulate::{RecordingForm, SimulateReport, SimulateRequest};
-use diagnostic::Problem;
+use diagnostic::{Problem, counted};
 use evidence::{Cost, Verdict};
 
 /// Simulates and records.
@@ -47,8 +47,9 @@ fn request(arguments: &Simulate) -> SimulateRequest {
 fn next(arguments: &Simulate, report: &SimulateReport) -> String {
     let (study, out) = (arguments.study.display(), arguments.out.display());
     format!(
-        "{} episodes of {} in {out}\nNext: corroborate monitor {study} {out}\n",
-        report.episodes, report.evidence
+        "{} of {} in {out}\nNext: corroborate monitor {study} {out}\n",
+        counted(report.episodes, "episode"),
+        report.evidence
     )
 }
 

@@ -1,10 +1,10 @@
 //! `corroborate verify`: whether every figure of a result follows from its evidence, and every hash
 //! holds.
 
-use super::assure;
 use super::{Done, Host, json};
 use crate::args::{Format, Verify};
-use corroborate::{Drawing, VerifyReport, VerifyRequest};
+use crate::drawing::drawing;
+use corroborate::{Ended, VerifyReport, VerifyRequest};
 use diagnostic::Problem;
 
 /// Verifies the results of a study.
@@ -15,11 +15,7 @@ pub fn verify(arguments: &Verify, setting: &Host) -> Result<Done, Problem> {
         study: arguments.study.clone(),
         deep: arguments.deep,
     };
-    let drawing = Drawing {
-        page: &report::html,
-        assurance: &assure::files,
-    };
-    let report = corroborate::verify(&request, setting, Some(&drawing))?;
+    let report = corroborate::verify(&request, setting, Some(&drawing()))?;
     Ok(Done {
         outcome: report.outcome(),
         output: match arguments.format {

@@ -5,7 +5,7 @@ mod teller;
 use super::{Done, Host};
 use crate::args::{Format, TimeChoice, Watch};
 use corroborate::watch::{LiveSystem, SimulatedRest, WatchReport, WatchRequest};
-use diagnostic::Problem;
+use diagnostic::{Problem, counted};
 use teller::Teller;
 
 /// Judges a running system until it is told to end.
@@ -62,7 +62,9 @@ fn summary(report: &WatchReport) -> String {
     }
     let (received, lost, instants) = (report.received, report.lost, report.instants);
     text.push_str(&format!(
-        "{received} messages, {lost} known to be lost, {instants} instants judged\n"
+        "{}, {lost} known to be lost, {} judged\n",
+        counted(received, "message"),
+        counted(instants, "instant")
     ));
     for what in &report.missing {
         text.push_str(&format!("missing: {what}\n"));

@@ -2,8 +2,8 @@
 
 use super::{Done, Host, json, use_threads};
 use crate::args::{Format, WhatIf};
+use corroborate::Outcome;
 use corroborate::WhatIfRequest;
-use corroborate::outcome::Outcome;
 use diagnostic::Problem;
 
 /// Tries the variants.

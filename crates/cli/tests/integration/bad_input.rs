@@ -12,6 +12,12 @@ fn assert_refused(said: &Said, code: &str, place: &str) {
     assert!(said.out.is_empty(), "something was printed: {said:?}");
     // Missing fields are told all at once, each as a message.
     let missing = said.talk.matches("]: missing field `").count();
+    // And all words that no model knows.
+    let missing = missing
+        + said
+            .talk
+            .matches("]: no model of the study expresses `")
+            .count();
     let errors = said.talk.matches("error[").count();
     assert_eq!(errors, missing.max(1), "one message:\n{}", said.talk);
     assert!(

@@ -208,7 +208,7 @@ fn a_rule_ends_a_campaign_at_the_same_episode_at_any_number_of_threads() {
 fn rules_that_cannot_be_are_refused_before_anything_runs() {
     let folder = command_study(&[]);
     for (rule, reason) in [
-        ("soon", "is no rule"),
+        ("soon", "is not a valid rule"),
         ("requirement x is decided at 99 %", "no requirement `x`"),
         ("requirement clear is decided at 99 %", "no threshold"),
         ("requirement stops is decided at 100 %", "confidence"),
@@ -258,8 +258,8 @@ fn a_ledger_that_names_a_command_wrongly_is_refused_with_its_line() {
             "where to leave its recording",
         ),
         ("\"{seed}\"", "\"1\"", "its seed"),
-        ("limit_secs = 60", "limit_secs = 0", "no limit"),
-        ("leaves = \"csv\"", "leaves = \"a/b\"", "no extension"),
+        ("limit_secs = 60", "limit_secs = 0", "`limit_secs` must be"),
+        ("leaves = \"csv\"", "leaves = \"a/b\"", "`leaves` must be"),
         (
             "stimulus = \"stimulus.toml\"",
             "stimulus = \"none.toml\"",

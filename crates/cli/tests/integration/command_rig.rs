@@ -118,7 +118,7 @@ fn a_command_is_run_again_and_compared_with_itself() {
     assert_ne!(repeated[0]["hash"], repeated[1]["hash"]);
     let compared = corroborate(folder.path(), &["engines", ".", "sim", "-n", "1"]);
     assert_eq!(compared.code, 2, "{compared:?}");
-    assert!(compared.talk.contains("no simulation of this test bench"));
+    assert!(compared.talk.contains("not simulated by this test bench"));
 }
 
 /// Its own simulator, fitted to counts on a real floor.

@@ -54,22 +54,28 @@ fn finding<'r>(result: &'r Value, id: &str) -> &'r Value {
 
 #[test]
 fn a_triggered_requirement_is_computed_given_its_trigger_and_conflicts_with_sixty_of_sixty() {
-    let folder = study(SENTENCE, "requirement,covered,passed,failed\n1,60,60,0\n");
-    let result = result(&folder);
-    let model = finding(&result, "M");
-    let value = model["measure"]["answer"]["value"]
-        .as_f64()
-        .expect("a value");
-    let trigger = model["trigger"]["answer"]["value"].as_f64();
-    let trigger = trigger.expect("a trigger");
-    assert!((value - 0.65).abs() < 1e-6, "{value}");
-    assert!((trigger - 0.15).abs() < 1e-6, "{trigger}");
-    assert_eq!(model["denominator"]["kind"], "triggered");
-    assert_eq!(
-        result["comparisons"][0]["outcome"], "conflicts",
-        "{}",
-        result["comparisons"]
-    );
+    // By a sentence, or by the premise of a property alone.
+    for requirement in [SENTENCE, "property = 'P=? [ G (\"near\" => \"slow\") ]'"] {
+        let folder = study(
+            requirement,
+            "requirement,covered,passed,failed\n1,60,60,0\n",
+        );
+        let result = result(&folder);
+        let model = finding(&result, "M");
+        let value = model["measure"]["answer"]["value"]
+            .as_f64()
+            .expect("a value");
+        let trigger = model["trigger"]["answer"]["value"].as_f64();
+        let trigger = trigger.expect("a trigger");
+        assert!((value - 0.65).abs() < 1e-6, "{requirement}: {value}");
+        assert!((trigger - 0.15).abs() < 1e-6, "{requirement}: {trigger}");
+        assert_eq!(model["denominator"]["kind"], "triggered", "{requirement}");
+        assert_eq!(
+            result["comparisons"][0]["outcome"], "conflicts",
+            "{requirement}: {}",
+            result["comparisons"]
+        );
+    }
 }
 
 /// How a person behaves is left open: coming quickly or slowly, or not at all.

@@ -3,6 +3,7 @@
 use crate::support;
 
 use serde_json::Value;
+use support::planted::Planted;
 use support::program::Study;
 
 /// The study of the tests with further experiments of these tables, and its result.
@@ -364,4 +365,74 @@ fn recordings_of_a_session_that_fail_together_are_asked_about_until_settled() {
     assert!(questions[0]["settled"].is_null());
     assert!(!asked(&by_day, settled)[0]["settled"].is_null());
     assert!(asked(&scattered, "").is_empty());
+}
+
+/// Two models of their own text that compute one number: against the trials they have one voice, so that the trials are not the
+/// odd one out, and they do not agree independently.
+#[test]
+fn models_that_compute_the_same_number_have_one_voice_until_settled() {
+    for (settled, other, open) in [
+        ("", "0.05", Some(true)),
+        (
+            "independent = { E1 = \"counted at another site\" }",
+            "0.05",
+            Some(false),
+        ),
+        ("", "0.06", None),
+    ] {
+        let study = Planted::new();
+        study.write(
+            "study.toml",
+            "title = \"t\"\nsummary = \"s\"\nseed = 1\nconfidence = 0.95\nagreement = 0.95\n[conditions]\nc = \"any\"\n",
+        );
+        study.write(
+            "vocabulary.toml",
+            "held = { meaning = \"held\", model = \"s=1\" }\n",
+        );
+        study.write(
+            "requirements.toml",
+            "[[requirement]]\nid = \"r\"\ntext = \"It is held.\"\nproperty = 'P=? [ F \"held\" ]'\nmargin = 0.1\n",
+        );
+        study.write(
+            "one.prism",
+            "dtmc\nconst double p = 0.95;\nmodule m\n  s : [0..2] init 0;\n  [] s=0 -> p:(s'=1) + 1-p:(s'=2);\n  [] s>0 -> true;\n\
+             endmodule\n",
+        );
+        study.write(
+            "two.prism",
+            &format!(
+                "dtmc\nconst double slips = {other};\nmodule q\n  s : [0..5] init 4;\n  [] s=4 -> (s'=3);\n  \
+                 [] s=3 -> 1-slips:(s'=1) + slips:(s'=5);\n  [] s=1 | s=5 -> (s'=s);\nendmodule\n"
+            ),
+        );
+        study.write("t.csv", "requirement,covered,passed,failed\nr,100,70,30\n");
+        study.write(
+            "ledger.toml",
+            &format!(
+                "[[evidence]]\nid = \"E1\"\ntitle = \"one\"\ntechnique = \"model-checking\"\nconditions = \"c\"\n\
+                 model = \"one.prism\"\nchanged = \"c\"\n\
+                 [[evidence]]\nid = \"E2\"\ntitle = \"trials\"\ntechnique = \"experiment\"\nconditions = \"c\"\n\
+                 tables.requirements = \"t.csv\"\nchanged = \"c\"\n\
+                 [[evidence]]\nid = \"E3\"\ntitle = \"two\"\ntechnique = \"model-checking\"\nconditions = \"c\"\n\
+                 model = \"two.prism\"\nchanged = \"c\"\n{settled}\n"
+            ),
+        );
+        study.run();
+        let text = support::read(&study.path().join("results/study.json"));
+        let result: Value = serde_json::from_str(&text).expect("JSON");
+        let asked = questions(&result, "E3");
+        let found = asked.iter().find(|it| it["kind"] == "answer");
+        let is_open = found.map(|it| it["settled"].is_null());
+        assert_eq!(is_open, open, "{settled} {other}: {asked:?}");
+        let pairs = result["comparisons"].as_array().expect("comparisons");
+        let models = pairs
+            .iter()
+            .find(|it| it["left"] == "E1" && it["right"] == "E3");
+        let models = models.expect("the pair of models");
+        assert_eq!(models["independent"], open != Some(true), "{models}");
+        let first = &study.json("diagnose")["suspects"][0]["asset"]["file"];
+        // Two models that have their numbers from sources of their own outvote the trials; one source does not.
+        let of_trials = open != Some(true);
+        assert_eq!(first == "t.csv", of_trials, "{settled} {other}: {first}");
+    }
 }

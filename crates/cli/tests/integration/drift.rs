@@ -1,5 +1,5 @@
 //! The study whose hand-written forms drifted from its sentences: each drift and each difference is found, nothing
-//! else is, and mending one form makes exactly what was said of that form go.
+//! else is, and fixing one form makes exactly what was said of that form go.
 
 use crate::support;
 
@@ -65,7 +65,7 @@ const DIFFERENCES: [(&str, &str, &str, &str, &str); 6] = [
 /// A text of a file that is replaced: the file, the old text, the new one.
 type Change = (&'static str, &'static str, &'static str);
 
-/// Forms mended: what is replaced by what in which file, and the form that is then without drift and differences.
+/// Forms fixed: what is replaced by what in which file, and the form that is then without drift and differences.
 const MENDED: [(&[Change], &str, &str); 4] = [
     (
         &[
@@ -226,7 +226,7 @@ fn mended_throughout_the_study_has_no_drift() {
     assert_eq!(code, 0, "{report}");
 }
 
-/// The mended study with another form of requirement 8 for the simulation, or with requirements more.
+/// The fixed study with another form of requirement 8 for the simulation, or with requirements more.
 fn mended_but(formula: &str, more: &str) -> (Value, i32) {
     let mended = MENDED.iter().flat_map(|mended| mended.0);
     let mut changes: Vec<(&str, &str, &str)> = mended.copied().collect();
@@ -237,7 +237,7 @@ fn mended_but(formula: &str, more: &str) -> (Value, i32) {
     reported(&changes)
 }
 
-/// The kinds of what the mended study is told if requirement 8 is written as `formula` for the simulation.
+/// The kinds of what the fixed study is told if requirement 8 is written as `formula` for the simulation.
 fn told_of(formula: &str) -> (Vec<String>, Vec<String>) {
     let (report, _) = mended_but(formula, "");
     let kinds = |name| {

@@ -557,11 +557,11 @@ fn mistakes_are_told_with_their_place_before_anything_runs() {
         (("method = \"cma-es\"", "method = \"cmaes\""), "cmaes"),
         (
             ("evidence = \"bench\"", "evidence = \"model\""),
-            "no simulation that takes tests",
+            "not a simulation that takes tests",
         ),
         (
             ("model = \"model\"", "model = \"bench\""),
-            "no formal model",
+            "not a formal model",
         ),
         (("episodes = 60", "episodes = 0"), "at least one episode"),
         (("model = \"place=2\"", "model = \"place=\""), "expected"),

@@ -599,7 +599,7 @@ fn physics_without_numbers_is_no_violation_of_the_robot_and_can_be_replayed() {
     assert_eq!(found["replayed"], true, "{found}");
     assert_eq!(report["searches"][0]["violated"], 0, "{report}");
     let text = call(&explore).out;
-    let words = "which says nothing of the robot";
+    let words = "which is not evidence about the robot";
     assert!(text.contains(words), "{text}");
     let file = format!("out/{}", found["file"].as_str().expect("a file"));
     let replayed = call(&["replay", ".", &file, "--format", "json"]);

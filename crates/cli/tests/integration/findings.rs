@@ -301,7 +301,7 @@ fn what_is_kept_violates_its_requirement_clearly_and_goes_red_when_its_fault_com
     let said = check(&[]);
     assert_eq!(said.code, 0, "{said:?}");
     assert!(said.out.starts_with("fails still"), "{said:?}");
-    // Mended: that is told until it is written down.
+    // Fixed: that is told until it is written down.
     edit(study, "cell.py", "STRENGTH = 8.0", "STRENGTH = 1.0");
     let said = check(&[]);
     assert_eq!(said.code, 1, "{said:?}");
@@ -350,7 +350,7 @@ fn a_regression_whose_requirement_does_not_come_up_has_not_passed() {
         );
     }
     assert!(read(&study.join("regressions/lifts.toml")).contains("expected = \"fails\"\n"));
-    // It was cut where the violation showed; what is mended is run to its own end.
+    // It was cut where the violation showed; what is fixed is run to its own end.
     edit(study, "cell.py", "LATE = 100.0", "LATE = 0.0");
     edit(study, "cell.py", "load < 4.0", "load < 40.0");
     let said = corroborate(study, &["replay", ".", "--check", "--update"]);
@@ -422,7 +422,7 @@ fn engines_begin_with_what_matters_and_compare_names_and_angles_as_such() {
         at("Verdicts differ") < at("/cell.state") && at("/cell.state") < at("/cell.force"),
         "{said:?}"
     );
-    assert!(said.out.contains("signals are the same"), "{said:?}");
+    assert!(said.out.contains("The same: "), "{said:?}");
     // A tolerance puts a number first, and has to be of one.
     let with = |tolerance: &str| {
         corroborate(

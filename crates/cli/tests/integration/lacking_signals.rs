@@ -225,3 +225,63 @@ fn what_has_no_verdict_counts_both_ways_unless_it_is_declared() {
     let (said, _) = study("undecided_at_random = \"\"");
     assert_eq!(said.code, 2, "{said:?}");
 }
+
+/// A model whose number was counted in 30 of 30 recordings, with 10 more that cannot tell: it computes anything that 30 to 40
+/// of 40 may mean, and what 30 of 30 mean only where the study says why the others are as these.
+#[test]
+fn a_model_carries_what_the_runs_without_a_verdict_leave_open() {
+    let recordings: Vec<(String, String)> = (0..40)
+        .map(|i| {
+            let text = if i < 30 { WHOLE } else { WITHOUT };
+            let own = text.replace("1,0.2", &format!("1,0.{}", 100 + i));
+            (format!("{i}.csv"), own)
+        })
+        .collect();
+    let recordings: Vec<(&str, &str)> = recordings
+        .iter()
+        .map(|(name, text)| (name.as_str(), text.as_str()))
+        .collect();
+    let (folder, _) = run(&recordings);
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    };
+    write(
+        "m.prism",
+        "dtmc\nconst double pFar = 1;\nmodule m\n  s : [0..2] init 0;\n  \
+         [] s=0 -> pFar:(s'=1) + 1-pFar:(s'=2);\n  [] s>0 -> true;\nendmodule\n",
+    );
+    let of_model = |name: &str| format!("trace = \"{name}\"\nmodel = \"s<2\"\n");
+    let far = "trace = \"/gap.distance > 10 cm\"\n";
+    write(
+        "vocabulary.toml",
+        &VOCABULARY.replace(far, &of_model("/gap.distance > 10 cm")),
+    );
+    let interval = |declared: &str| {
+        let model = "[[evidence]]\nid = \"M\"\ntitle = \"m\"\ntechnique = \"model-checking\"\nconditions = \"typical\"\n\
+                     model = \"m.prism\"\nchanged = \"c\"\n\
+                     calibrated = [{ constant = \"pFar\", from = \"O\", requirement = \"far\" }]\n";
+        write("ledger.toml", &format!("{LEDGER}{declared}\n{model}"));
+        let said = corroborate(folder.path(), &["run", "."]);
+        let text = std::fs::read_to_string(folder.path().join("results/study.json"));
+        let text = text.unwrap_or_else(|error| panic!("{error}: {said:?}"));
+        let result: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let findings = result["evidence"][1]["findings"]
+            .as_array()
+            .expect("findings");
+        let own = findings.iter().find(|it| it["subject"]["id"] == "far");
+        let own = own.unwrap_or_else(|| panic!("{said:?}"));
+        let interval = &own["measure"]["credible"]["interval"];
+        let end = |name: &str| interval[name].as_f64().unwrap_or_else(|| panic!("{own}"));
+        (end("low"), end("high"))
+    };
+    let limits = |successes: u64, trials: u64| {
+        let sample = stats::Sample { successes, trials };
+        stats::BetaPosterior::jeffreys(sample).credible_interval(stats::Confidence::P95)
+    };
+    let near = |found: f64, expected: f64| (found - expected).abs() < 2e-3;
+    let (low, high) = interval("");
+    assert!(near(low, limits(30, 40).low), "{low}");
+    assert!(near(high, 1.0), "{high}");
+    let (low, _) = interval("undecided_at_random = \"the sensor came in May\"");
+    assert!(near(low, limits(30, 30).low), "{low}");
+}

@@ -113,7 +113,11 @@ fn one_that_remembers_episodes_is_found_out() {
 #[test]
 fn one_that_never_works_is_told_with_what_it_said() {
     for (fault, limit, reason) in [
-        ("    print('ready')\n", "60", "`ready`, which is no answer"),
+        (
+            "    print('ready')\n",
+            "60",
+            "`ready`, which is not an answer",
+        ),
         (
             "    __import__('time').sleep(600)\n",
             "0.5",
@@ -240,8 +244,16 @@ fn keys_that_do_not_fit_are_refused() {
             "persistent = true",
             "is not told `{stimulus}`",
         ),
-        ("limit_secs = 60", "seeds = \"none\"", "no other entry"),
-        ("limit_secs = 60", "seeds = \"sim\"", "no other entry"),
+        (
+            "limit_secs = 60",
+            "seeds = \"none\"",
+            "must name another entry",
+        ),
+        (
+            "limit_secs = 60",
+            "seeds = \"sim\"",
+            "must name another entry",
+        ),
     ] {
         let folder = command_study(&[("ledger.toml", old, new)]);
         let said = corroborate(folder.path(), &["run", "."]);

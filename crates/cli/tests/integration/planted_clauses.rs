@@ -5,8 +5,8 @@
 use crate::support;
 
 use serde_json::Value;
+use support::planted::Planted;
 use support::program::corroborate;
-use tempfile::TempDir;
 
 const STUDY: &str = r#"
 title = "Bread"
@@ -125,7 +125,7 @@ fn run(number: u32) -> (u32, bool, u32, u32) {
 
 /// What `diagnose` prints of the study, and its suspects, with one text replaced in a file, or in the files of a folder.
 fn suspects(change: Option<(&str, &str, &str)>) -> (String, Vec<Value>) {
-    let folder = TempDir::new().expect("a folder");
+    let folder = Planted::new();
     let write = |name: &str, text: &str| {
         let mut text = text.to_owned();
         if let Some((file, old, new)) = change.filter(|(file, ..)| name.starts_with(file)) {
@@ -135,9 +135,7 @@ fn suspects(change: Option<(&str, &str, &str)>) -> (String, Vec<Value>) {
             );
             text = text.replacen(old, new, 1);
         }
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
-        std::fs::write(path, text).expect("written");
+        folder.write(name, &text);
     };
     write("study.toml", STUDY);
     write("requirements.toml", REQUIREMENTS);
@@ -163,13 +161,9 @@ fn suspects(change: Option<(&str, &str, &str)>) -> (String, Vec<Value>) {
             ),
         );
     }
-    let said = corroborate(folder.path(), &["run", ".", "--quiet"]);
-    assert!([0, 1, 3].contains(&said.code), "{said:?}");
+    folder.run();
     let text = corroborate(folder.path(), &["diagnose", ".", "--quiet"]);
-    let arguments = ["diagnose", ".", "--format", "json", "--quiet"];
-    let said = corroborate(folder.path(), &arguments);
-    let diagnosis: Value =
-        serde_json::from_str(&said.out).unwrap_or_else(|error| panic!("{error}: {said:?}"));
+    let diagnosis = folder.json("diagnose");
     // The commands that are printed run.
     for line in text
         .out

@@ -3,9 +3,7 @@
 
 use crate::support;
 
-use serde_json::Value;
-use support::program::corroborate;
-use tempfile::TempDir;
+use support::planted::Planted;
 
 const STUDY: &str = r#"
 title = "Parcels"
@@ -68,8 +66,8 @@ const MODEL: &str = "dtmc\nmodule m\n  s : [0..3] init 0;\n  looks : [0..2] init
 const COUNTS: &str = "requirement,covered,passed,failed\nread,400,385,15\nwhole,340,291,49\n";
 
 /// The study with a text replaced.
-fn study(change: Option<(&str, &str, &str)>) -> TempDir {
-    let folder = TempDir::new().expect("a folder");
+fn study(change: Option<(&str, &str, &str)>) -> Planted {
+    let folder = Planted::new();
     for (name, text) in [
         ("study.toml", STUDY),
         ("requirements.toml", REQUIREMENTS),
@@ -85,29 +83,20 @@ fn study(change: Option<(&str, &str, &str)>) -> TempDir {
             }
             _ => text.to_owned(),
         };
-        std::fs::write(folder.path().join(name), text).expect("written");
+        folder.write(name, &text);
     }
-    let said = corroborate(folder.path(), &["run", ".", "--quiet"]);
-    assert!([0, 1, 3].contains(&said.code), "{said:?}");
+    folder.run();
     folder
-}
-
-fn json(folder: &TempDir, command: &str) -> Value {
-    let said = corroborate(
-        folder.path(),
-        &[command, ".", "--format", "json", "--quiet"],
-    );
-    serde_json::from_str(&said.out).unwrap_or_else(|error| panic!("{error}: {said:?}"))
 }
 
 /// The first suspect's place, and the first offered diff.
 fn first(change: (&str, &str, &str)) -> (String, u64, String) {
     let folder = study(Some(change));
-    let diagnosis = json(&folder, "diagnose");
+    let diagnosis = folder.json("diagnose");
     let suspect = &diagnosis["suspects"][0];
     let file = suspect["asset"]["file"].as_str().unwrap_or_default();
     let line = suspect["asset"]["line"].as_u64().unwrap_or_default();
-    let offered = json(&folder, "refine");
+    let offered = folder.json("refine");
     let diff = offered["proposals"][0]["diff"].as_str().unwrap_or_default();
     (file.to_owned(), line, diff.to_owned())
 }
@@ -115,9 +104,9 @@ fn first(change: (&str, &str, &str)) -> (String, u64, String) {
 #[test]
 fn the_sound_study_accuses_nothing_and_offers_nothing() {
     let folder = study(None);
-    let suspects = json(&folder, "diagnose");
+    let suspects = folder.json("diagnose");
     assert_eq!(suspects["suspects"], serde_json::json!([]));
-    let offered = json(&folder, "refine");
+    let offered = folder.json("refine");
     assert_eq!(offered["proposals"], serde_json::json!([]));
 }
 

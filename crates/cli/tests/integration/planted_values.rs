@@ -4,8 +4,7 @@
 use crate::support;
 
 use serde_json::Value;
-use support::program::corroborate;
-use tempfile::TempDir;
+use support::planted::Planted;
 
 const STUDY: &str = r#"
 title = "A gap that is kept"
@@ -90,16 +89,14 @@ const MODEL: &str = "dtmc\nmodule m\n  s : [0..3] init 0;\n  [] s=0 -> 0.06 : (s
 
 /// The suspects of the study with texts replaced: the file, the old text, the new one.
 fn suspects(changes: &[(&str, &str, &str)]) -> Vec<Value> {
-    let folder = TempDir::new().expect("a folder");
+    let folder = Planted::new();
     let write = |name: &str, text: &str| {
         let mut text = text.to_owned();
         for (_, old, new) in changes.iter().filter(|(file, ..)| *file == name) {
             assert!(text.contains(old), "{name} has no `{old}`");
             text = text.replacen(old, new, 1);
         }
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
-        std::fs::write(path, text).expect("written");
+        folder.write(name, &text);
     };
     write("study.toml", STUDY);
     write("requirements.toml", REQUIREMENTS);
@@ -134,14 +131,8 @@ fn suspects(changes: &[(&str, &str, &str)]) -> Vec<Value> {
             &format!("time_secs,gap,speed\n0,500,0.01\n1,{gap},{speed}\n2,400,0.02\n"),
         );
     }
-    let said = corroborate(folder.path(), &["run", ".", "--quiet"]);
-    assert!([0, 1, 3].contains(&said.code), "{said:?}");
-    let said = corroborate(
-        folder.path(),
-        &["diagnose", ".", "--format", "json", "--quiet"],
-    );
-    let diagnosis: Value =
-        serde_json::from_str(&said.out).unwrap_or_else(|error| panic!("{error}: {said:?}"));
+    folder.run();
+    let diagnosis = folder.json("diagnose");
     diagnosis["suspects"].as_array().expect("suspects").clone()
 }
 

@@ -93,7 +93,7 @@ fn a_finding_shrinks_to_what_matters_and_is_a_regression_from_then_on() {
         (&true.into(), &true.into())
     );
 
-    // Once the fault is mended, the regression no longer shows it.
+    // Once the fault is fixed, the regression no longer shows it.
     let text = std::fs::read_to_string(study.join("regressions/found.toml")).expect("kept");
     let key = "\"parameters.planner.failure_rate_per_run\"";
     let line = text
@@ -304,15 +304,23 @@ fn what_is_wrong_with_a_call_is_said() {
     let calls: [(&[&str], i32, &str); 13] = [
         (&["replay", "."], 2, "required"),
         (&["replay", ".", "nothing.toml"], 2, "no finding"),
-        (&["replay", ".", "E4:0"], 2, "no number of an episode"),
+        (
+            &["replay", ".", "E4:0"],
+            2,
+            "the number of an episode must be",
+        ),
         (
             &["replay", ".", "E4:501"],
             2,
             "name one from E4:1 to E4:500",
         ),
-        (&["replay", ".", "E4:x"], 2, "no number of an episode"),
+        (
+            &["replay", ".", "E4:x"],
+            2,
+            "the number of an episode must be",
+        ),
         (&["replay", ".", "E99:1"], 2, "no evidence `E99`"),
-        (&["replay", ".", "E1:1"], 2, "no simulation"),
+        (&["replay", ".", "E1:1"], 2, "not a simulation"),
         (&["replay", ".", "broken.toml"], 2, "no monitor for `44`"),
         (
             &["replay", ".", "found.toml", "--only", "44"],
@@ -324,7 +332,7 @@ fn what_is_wrong_with_a_call_is_said() {
         (
             &["shrink", ".", "found.toml", "--name", "../x"],
             2,
-            "no name of a regression",
+            "not a valid name of a regression",
         ),
         (&["shrink", ".", "not.toml"], 3, "did not show it"),
     ];

@@ -83,7 +83,7 @@ fn what_the_seed_drew_is_set_and_the_cause_is_named() {
     let file = folder.path().join("regressions/grip.toml");
     let text = std::fs::read_to_string(&file).expect("a regression");
     assert!(
-        text.contains("all else that is set or drawn once is nominal"),
+        text.contains("all other parameters are at their nominal values"),
         "{text}"
     );
     let replay = |name: &str| {
@@ -195,7 +195,7 @@ fn an_episode_of_an_evidence_is_shrunk_by_its_number() {
     assert!(report["episodes"].as_u64() <= Some(12), "{report}");
 
     for (arguments, reason) in [
-        (&["E2:0"][..], "no number of an episode"),
+        (&["E2:0"][..], "the number of an episode must be"),
         (&["E99:1"], "E99"),
         (&[&episode, "--only", "no-such"], "does not declare"),
         (&["nothing"], "no finding"),

@@ -248,7 +248,7 @@ fn what_no_simulator_can_be_asked_is_refused() {
 
 /// Each of the handover's variants keys something that exists, and paired runs
 /// are the same runs: with the planner's fault made certain, a second call
-/// mends each of them.
+/// fixes each of them.
 #[test]
 fn a_second_call_of_the_planner_mends_what_one_call_spoils() {
     let Some(library) = library() else { return };

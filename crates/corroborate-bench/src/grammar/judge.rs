@@ -2,13 +2,13 @@
 //!
 //! # Definition
 //! For each study: `run`, `diagnose`, `refine`, and where the first proposal changes a file in which the fault can be
-//! mended, `refine --accept` in a copy.
+//! fixed, `refine --accept` in a copy.
 //!
 //! * *Found*: a conflict, or an open suspect with a score of 1 or more, on a subject that the fault touches.
 //! * *First suspect right*: the first open suspect, the one that `diagnose` prints first, is a culprit and touches one of
 //!   these subjects. *Strongly so*: and its score is 1 or more. A conflict that is shown by little data is shared out
 //!   between the pieces that differ, so that none of them need reach that.
-//! * *Repaired*: the first proposal changes such a file, at a line that can mend it, and afterwards no suspect with a
+//! * *Repaired*: the first proposal changes such a file, at a line that can fix it, and afterwards no suspect with a
 //!   score of 1 or more is open on these subjects.
 //! * *Harmful*: a proposal that changes a text in which nothing is wrong; or one that moves a value of the model further
 //!   from the truth than it was, by more than 2 points, and to more than the margin of 5 points from it. It is
@@ -291,7 +291,7 @@ fn title(offer: &Value) -> String {
     offer["title"].as_str().unwrap_or("").to_owned()
 }
 
-/// Whether a proposal changes a file in which the fault can be mended, at a line that can mend it.
+/// Whether a proposal changes a file in which the fault can be fixed, at a line that can fix it.
 fn is_in_place(study: &Generated, offer: &Value) -> bool {
     let file = offer["file"].as_str().unwrap_or("");
     let diff = offer["diff"].as_str().unwrap_or("");

@@ -80,9 +80,9 @@ pub struct Planted {
     pub culprits: Vec<Culprit>,
     /// The subjects that it touches.
     pub subjects: Vec<String>,
-    /// The files in which a change can mend it; empty where no text can.
+    /// The files in which a change can fix it; empty where no text can.
     pub mended_in: Vec<&'static str>,
-    /// What a line that mends it contains; empty for any.
+    /// What a line that fixes it contains; empty for any.
     pub mended_by: String,
     /// The power of the best single test.
     pub power: f64,

@@ -27,7 +27,7 @@ pub fn write(study: &Generated, folder: &Path) -> Result<(), String> {
 /// What the operating system refused.
 pub fn write_all(catalogue: &Catalogue, folder: &Path) -> Result<usize, String> {
     let studies = catalogue.studies();
-    let mut answers = String::from("study,fault,power,suspect first,subjects,mended in,what\n");
+    let mut answers = String::from("study,fault,power,suspect first,subjects,fixed in,what\n");
     for study in &studies {
         write(study, &folder.join(&study.name))?;
         let planted = &study.planted;

@@ -13,7 +13,7 @@
 //! for equivalence of all, since each has to be shown by itself.
 //!
 //! # Source and guarantee
-//! The tests are those of `compare`: [`fn@stats::exact_equivalence`], and Fisher's for the difference; trials of one person count for less where they are alike,
+//! The tests are those of `compare`: [`fn@stats::exact_equivalence`], and Fisher's for the difference; correlated trials (same person) are down-weighted,
 //! for equivalence. The level of a wrong "equivalent" is that of those tests.
 
 use super::counts::Reality;

@@ -49,7 +49,11 @@ impl Reality {
             reality
                 .effective
                 .push(effective.unwrap_or(opportunities as f64));
-            reality.margins.push(about.margin(id));
+            let form = study.forms.by_id(id);
+            let margin = form.map(|form| study.margin(&form.subject));
+            reality
+                .margins
+                .push(margin.unwrap_or(evidence::DEFAULT_MARGIN));
             let mut observed = Observed::new(id, occurrences, opportunities);
             observed.held_out = held_out;
             if text.by_subject
@@ -150,20 +154,10 @@ impl About<'_> {
         }
     }
 
-    /// The difference that still counts as agreement.
-    fn margin(&self, id: &str) -> f64 {
-        let study = self.study;
-        let of_requirements = study.requirements.iter().map(|it| (&it.id, it.margin));
-        let of_modes = study.failure_modes.iter().map(|it| (&it.id, it.margin));
-        let mut all = of_requirements.chain(of_modes);
-        all.find(|(other, _)| *other == id)
-            .map_or(0.0, |(_, margin)| margin)
-    }
-
     /// Occurrences and opportunities of a requirement (as violations) or failure mode.
     fn counts(&self, id: &str, findings: &[evidence::Finding]) -> Result<(u64, u64), Problem> {
         let Some(finding) = findings.iter().find(|f| f.subject.id() == id) else {
-            let message = format!("`{id}` is no requirement and no failure mode of this study");
+            let message = format!("this study has no requirement or failure mode `{id}`");
             let known = findings.iter().map(|f| f.subject.id());
             let remedy = match did_you_mean(id, known.clone()) {
                 Some(similar) => format!("did you mean `{similar}`?"),
@@ -232,7 +226,7 @@ impl About<'_> {
                 "the counts of `{}` are not known by subject, so runs cannot be held out",
                 observed.mode
             );
-            let remedy = "add a cohort that counts it, say in [no_opportunity_after] which trials were no opportunity, or leave out `hold_out_runs`";
+            let remedy = "add a cohort that counts it, say in [no_opportunity_after] which trials had no opportunity, or leave out `hold_out_runs`";
             return Err(self.wrong(&observed.mode, message, remedy));
         }
         let count = reality.subjects.len();

@@ -58,8 +58,8 @@ pub struct CalibrationText {
     /// Whether trials are counted by subject where the evidence's tables do.
     #[serde(default = "yes")]
     pub by_subject: bool,
-    /// For a requirement or failure mode, the failure modes after which a trial was no opportunity
-    /// for it; without them its counts cannot be told apart by subject.
+    /// For a requirement or failure mode, the failure modes after which a trial had no opportunity
+    /// for it; without them its counts are not known by subject.
     #[serde(default)]
     pub no_opportunity_after: BTreeMap<String, Vec<String>>,
     /// Runs that are kept out of the fit.
@@ -134,13 +134,7 @@ fn ninety_five() -> f64 {
 impl CalibrationText {
     /// Reads and checks the file.
     pub fn read(source: &Source) -> Result<Self, Problem> {
-        let text: Self = toml::from_str(&source.text).map_err(|error| {
-            let mut problem = study::placed::from_toml(source, &error);
-            problem.code = CODE;
-            problem.remedy(
-                "`corroborate help calibrate` and `explain bad-calibration-file` say what it holds",
-            )
-        })?;
+        let text: Self = study::read_toml(CODE, source)?;
         if let Some((word, message, remedy)) = text.wrong() {
             let span = quoted(source, &word);
             return Err(Problem::new(CODE, message).at(source, span).remedy(remedy));

@@ -121,7 +121,7 @@ impl Keeping<'_> {
     ) -> Result<(), Problem> {
         let report = &report.found;
         let is_shown = match is_kept {
-            true => "A witness: how often it was found says\nnothing of how often it happens.",
+            true => "A witness: how often it was found does\nnot estimate how often it happens.",
             false => "Not confirmed: the fast\nphysics shows it, and the full physics does not.",
         };
         let comment = format!(
@@ -141,6 +141,7 @@ impl Keeping<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use host::Host;
 
     /// What an exploration of the handover found in one physics: a grip that fails, in episodes with these frictions.
     fn found(study: &Study, frictions: &[f64]) -> Found {
@@ -191,7 +192,11 @@ mod tests {
         }
         let study = Study::load(&root.join("case-studies/handover")).expect("a study");
         let entry = study.entry("E2").expect("an entry");
-        let bench = OpenBench::of_entry(&study, entry, Some(&library)).expect("a bench");
+        let host = Host {
+            physics_library: Some(library),
+            ..Host::silent(crate::build())
+        };
+        let bench = OpenBench::of_entry(&study, entry, &host).expect("a bench");
         let folder = std::env::temp_dir().join(format!("confirmed-{}", std::process::id()));
         let keeping = |is_fast| Keeping {
             study: &study,

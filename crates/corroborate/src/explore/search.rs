@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
     }
 
     fn no_monitor(&self, id: &str) -> Problem {
-        let message = format!("`{id}` is no requirement of this study that has a monitor");
+        let message = format!("this study has no requirement `{id}` with a monitor");
         let subjects = self.study.forms.subjects.iter();
         let known = subjects.map(|form| form.subject.id());
         let problem = self.plan.mistake(&format!("\"{id}\""), message);

@@ -29,7 +29,7 @@ pub(super) fn draft(file: &Path) -> Result<Draft, Problem> {
     refuse(file, &loaded)?;
     let address = std::path::absolute(file).map_err(|error| Problem::cannot_read(file, &error))?;
     let Some(address) = address.to_str() else {
-        let message = format!("the path of {} is no text in UTF-8", file.display());
+        let message = format!("the path of {} must be valid UTF-8", file.display());
         return Err(Problem::new("cannot-read", message).remedy("rename the file or its folder"));
     };
     let facts = Facts::of(file, address, &loaded);
@@ -159,7 +159,7 @@ impl<'a> Facts<'a> {
             (
                 "END_MEANING",
                 quoted(&format!(
-                    "The robot's end ({}) is no faster than it may be.",
+                    "The robot's end ({}) is not faster than it may be.",
                     comment(&self.model.links[self.end].name)
                 )),
             ),

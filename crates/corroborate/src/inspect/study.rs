@@ -3,11 +3,12 @@
 use crate::rigs::Opening;
 use diagnostic::Problem;
 use evidence::DescriptionGap;
+use host::Host;
 use rig::Rig;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
-use study::{Entry, Simulated, Study};
+use study::{Simulated, Study};
 use testbench::scene::TruthVocabulary;
 use trace::{Field, FieldKind, Trace};
 
@@ -89,7 +90,7 @@ pub struct Quantity {
 
 /// Opens each simulation of a study and lists its signals. Commands of others are left out: to know their signals they would
 /// have to be run.
-pub(super) fn signals_of(folder: &Path, library: Option<&Path>) -> Result<StudySignals, Problem> {
+pub(super) fn signals_of(folder: &Path, host: &Host) -> Result<StudySignals, Problem> {
     let study = Study::load(folder)?;
     let mut simulations: Vec<SimulationSignals> = Vec::new();
     let mut known: Vec<Simulated<'_>> = Vec::new();
@@ -97,14 +98,18 @@ pub(super) fn signals_of(folder: &Path, library: Option<&Path>) -> Result<StudyS
         let Some(simulated) = entry.work.simulated() else {
             continue;
         };
-        if matches!(simulated, Simulated::Command(_)) {
+        if !simulated.is_ours() {
             continue;
         }
         if let Some(place) = known.iter().position(|it| is_same(it, &simulated)) {
             simulations[place].evidence.push(entry.id.clone());
             continue;
         }
-        let rig = opened(&study, entry, simulated, library)?;
+        let opening = Opening {
+            any_engine: true,
+            ..Opening::new(&study, host)
+        };
+        let rig = opening.open(simulated)?;
         simulations.push(SimulationSignals::new(&entry.id, rig.as_ref())?);
         known.push(simulated);
     }
@@ -128,21 +133,6 @@ fn is_same(a: &Simulated<'_>, b: &Simulated<'_>) -> bool {
         Simulated::Scene { .. } | Simulated::Command(_) => None,
     };
     texts(a).is_some() && texts(a) == texts(b)
-}
-
-/// Signals do not depend on the engine, so that the one that is built in does where the library is not there.
-fn opened(
-    study: &Study,
-    entry: &Entry,
-    simulated: Simulated<'_>,
-    library: Option<&Path>,
-) -> Result<Box<dyn Rig>, Problem> {
-    let is_scene = matches!(simulated, Simulated::Scene { .. });
-    let opening = Opening {
-        in_second_engine: Some(entry).filter(|_| is_scene && library.is_none()),
-        ..Opening::new(study, library)
-    };
-    opening.open(simulated)
 }
 
 impl SimulationSignals {

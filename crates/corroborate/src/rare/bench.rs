@@ -3,8 +3,8 @@
 use super::file::{CODE, RareText};
 use crate::rigs::{self, Opening};
 use diagnostic::{Problem, Source};
+use host::Host;
 use rig::Rig;
-use std::path::Path;
 use study::Study;
 
 /// Opens what the file names, with the test that episodes enact. An estimate is a figure: it is of the full physics, however
@@ -13,12 +13,12 @@ pub fn open(
     study: &Study,
     source: &Source,
     text: &RareText,
-    library: Option<&Path>,
+    host: &Host,
 ) -> Result<Box<dyn Rig>, Problem> {
     let opening = Opening {
         test: Some(&text.test),
         joined: Some(", "),
-        ..Opening::new(study, library)
+        ..Opening::new(study, host)
     };
     let (scenario, scene) = (text.scenario.as_deref(), text.scene.as_deref());
     let of_files = rigs::of_files(scenario, text.parameters.as_deref(), scene);

@@ -1,11 +1,12 @@
 //! The file of rare events.
 
-use diagnostic::{Problem, Source};
+use diagnostic::{Problem, Problems, Source};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use std::ops::Range;
 use std::path::PathBuf;
 use stimulus::{Parameter, Space};
-use study::placed::quoted;
+use study::placed::{toml_place, value_place};
 
 /// What is wrong with such a file.
 pub const CODE: &str = "bad-rare-event";
@@ -86,11 +87,8 @@ fn ten() -> u64 {
 impl RareText {
     /// Reads and checks the file.
     pub fn read(source: &Source) -> Result<Self, Problem> {
-        let text: Self = toml::from_str(&source.text).map_err(|error| {
-            let mut problem = study::placed::from_toml(source, &error);
-            problem.code = CODE;
-            problem.remedy("`corroborate explain bad-rare-event` says what the file holds")
-        })?;
+        let text: Self = study::read_toml(CODE, source)?;
+        let mut found = Problems::new();
         for (index, event) in text.events.iter().enumerate() {
             let twice = text.events[..index].iter().any(|e| e.name == event.name);
             let wrong = match twice {
@@ -99,11 +97,11 @@ impl RareText {
             };
             if let Some((message, remedy)) = wrong {
                 let message = format!("event `{}`: {message}", event.name);
-                return Err(Problem::new(CODE, message)
-                    .at(source, quoted(source, &event.name))
-                    .remedy(remedy));
+                let place = place_of(source, index, event, &message);
+                found.add(Problem::new(CODE, message).at(source, place).remedy(remedy));
             }
         }
+        found.or(())?;
         if text.events.is_empty() {
             let problem = Problem::new(CODE, "the file has no event");
             return Err(problem.at(source, 0..0).remedy("add an [[event]]"));
@@ -112,13 +110,25 @@ impl RareText {
     }
 }
 
+/// Where an event has the key of which a message speaks first; its name where it has none of these.
+fn place_of(source: &Source, index: usize, event: &EventText, message: &str) -> Range<usize> {
+    let index = index.to_string();
+    let place = |key: &str| value_place(source, &["event", &index, key]);
+    let element = toml_place(source, &["event", &index]);
+    let named = message.split('`').skip(1).step_by(2).map(place);
+    let mut named = named.filter(|place| *place != element);
+    // The name itself stands in the message, but not as a key.
+    let found = named.find(|place| source.text.get(place.clone()) != Some(event.name.as_str()));
+    found.unwrap_or_else(|| place("name"))
+}
+
 impl EventText {
     /// What is wrong with it, and the remedy.
     fn wrong(&self) -> Option<(String, &'static str)> {
         let says = |text: &str, remedy| Some((text.to_owned(), remedy));
         if !(self.until_secs.is_finite() && self.until_secs > 0.0) {
             return says(
-                "`until_secs` is no duration",
+                &format!("`until_secs` must be more than 0 (got {})", self.until_secs),
                 "give a positive number of seconds",
             );
         }
@@ -137,7 +147,10 @@ impl EventText {
         }
         if self.replications < 2 {
             return says(
-                "one replication says nothing of its own error",
+                &format!(
+                    "`replications` must be at least 2 to estimate the error (got {})",
+                    self.replications
+                ),
                 "take 10 or more",
             );
         }

@@ -166,7 +166,7 @@ fn requirement<'a>(
         return Ok(found);
     }
     let message = format!(
-        "event `{}`: `{id}` is no requirement and no failure mode of this study that has a monitor",
+        "event `{}`: this study has no requirement or failure mode `{id}` with a monitor",
         event.name
     );
     let known = study.forms.subjects.iter().map(|form| form.subject.id());

@@ -1,7 +1,7 @@
 //! Accepted proposals become files and entries of the ledger.
 
-use super::ledger_text::{Names, NewEntry, SetTo};
-use super::proposal::{Asset, Change, Proposal, of_model};
+use super::ledger_text::{Names, NewEntry, SetTo, calibrated};
+use super::proposal::{Asset, Change, Fitted, Proposal, is_of_structure, of_model};
 use super::solver::Solver;
 use super::texts;
 use diagnostic::Problem;
@@ -63,8 +63,16 @@ impl Applier<'_> {
                     let make = |text: &str| change.make(text);
                     applied.push(self.in_place(&file, proposal, &make)?);
                 }
-                Change::Value { file, value } => {
+                Change::Value {
+                    file,
+                    value,
+                    fitted,
+                } => {
                     let make = |text: &str| value.make(text);
+                    // The ledger first: a number without its lineage would pass for corroboration.
+                    if let Some(fitted) = fitted {
+                        self.declare(fitted)?;
+                    }
                     applied.push(self.in_place(file, proposal, &make)?);
                 }
                 Change::Whole { file, old, new } => {
@@ -103,6 +111,44 @@ impl Applier<'_> {
             file: file.to_owned(),
             what: proposal.title.clone(),
         })
+    }
+
+    /// Writes into an entry of the ledger whose counts a number of it was solved for.
+    fn declare(&self, fitted: &Fitted) -> Result<(), Problem> {
+        let position = |id: &str| self.study.ledger.iter().position(|it| it.id == id);
+        let (own, from) = (position(&fitted.entry), position(&fitted.from));
+        let place = own.unwrap_or_default().to_string();
+        let entry = self.study.entry(&fitted.entry)?;
+        let mut set_to = SetTo::of(entry);
+        set_to.retain(|it| it.name != fitted.name);
+        set_to.push(SetTo {
+            key: "parameter",
+            name: fitted.name.clone(),
+            from: fitted.from.clone(),
+            subject: fitted.subject.clone(),
+            held: false,
+            is_complement: false,
+        });
+        let path = self.study.folder.join("ledger.toml");
+        let source = host::files::read_source(&path)?;
+        let mut text = source.text.clone();
+        let known = study::placed::value_place(&source, &["evidence", &place, "calibrated"]);
+        let written = calibrated(&set_to);
+        match entry.calibrated.is_empty() {
+            false => text.replace_range(known, written.trim_start_matches("calibrated = ")),
+            true => {
+                let id = study::placed::value_place(&source, &["evidence", &place, "id"]);
+                let end = text[id.end..]
+                    .find('\n')
+                    .map_or(text.len(), |at| id.end + at);
+                text.insert_str(end, &format!("\n{written}"));
+            }
+        }
+        // What it was set to has to stand before it.
+        if from > own {
+            text = moved_to_the_end(&text, own.unwrap_or_default());
+        }
+        write_whole(&path, text.as_bytes())
     }
 
     /// Changes several files in their places: all are made before the first is written.
@@ -148,7 +194,7 @@ impl Applier<'_> {
             };
             let found = of_model(self.study, self.result, &asset, self.solver)?;
             // Whether a branch belongs to the system is for a person to say.
-            let is_next = |change: &&ModelChange| !matches!(change, ModelChange::Branchless { .. });
+            let is_next = |change: &&ModelChange| !is_of_structure(change);
             let next = found.changes.iter().map(|(change, _)| change);
             let next: Vec<&ModelChange> = next.filter(is_next).collect();
             if next.is_empty() {
@@ -244,6 +290,21 @@ impl Applier<'_> {
     }
 }
 
+/// A ledger with one of its entries behind all others.
+fn moved_to_the_end(text: &str, place: usize) -> String {
+    let heads = || text.match_indices("[[evidence]]").map(|(at, _)| at);
+    // A head stands at the beginning of a line.
+    let heads: Vec<usize> = heads()
+        .filter(|at| *at == 0 || text[..*at].ends_with('\n'))
+        .collect();
+    // The last one stands there already.
+    let (Some(start), Some(end)) = (heads.get(place), heads.get(place + 1).copied()) else {
+        return text.to_owned();
+    };
+    let (before, entry, behind) = (&text[..*start], &text[*start..end], &text[end..]);
+    format!("{before}{}\n\n{}\n", behind.trim_end(), entry.trim_end())
+}
+
 /// Puts entries behind those of the ledger.
 pub fn append_to_ledger(study: &Study, entries: &str) -> Result<(), Problem> {
     let path = study.folder.join("ledger.toml");
@@ -261,4 +322,19 @@ fn refused(what: &str, reason: &str) -> Problem {
         format!("{} cannot be changed: {reason}", what.replace('_', " ")),
     )
     .remedy("accept the proposals one after the other, and look at each diff")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::moved_to_the_end;
+
+    #[test]
+    fn an_entry_goes_behind_the_others_with_all_its_lines() {
+        let text = "# [[evidence]]\n[[evidence]]\nid = \"A\"\n\n[[evidence]]\nid = \"B\"\n";
+        assert_eq!(
+            moved_to_the_end(text, 0),
+            "# [[evidence]]\n[[evidence]]\nid = \"B\"\n\n[[evidence]]\nid = \"A\"\n"
+        );
+        assert_eq!(moved_to_the_end(text, 1), text);
+    }
 }

@@ -1,5 +1,5 @@
-//! Two failure modes, or two requirements, that were written down as each other, or a table's columns: one proposal for all
-//! texts that count them.
+//! Two failure modes, or two requirements, that were written down as each other, a table's columns, or the files of two entries:
+//! one proposal for all texts that name them.
 //!
 //! # Definition
 //! A table of failure modes, or of requirements, has a row for each of the two; a cohort counts each in a column, or by a code, that the
@@ -21,6 +21,8 @@ use std::path::Path;
 use study::Study;
 
 const VOCABULARY: &str = "vocabulary.toml";
+
+const LEDGER: &str = "ledger.toml";
 
 /// What was mixed up.
 pub(super) struct Mixed<'a> {
@@ -72,6 +74,25 @@ pub(super) fn of_columns(
     offer(suspect, title, texts.into_iter().collect(), study, offered)
 }
 
+/// The proposal with which two entries of the ledger get each other's files.
+pub(super) fn of_entries(
+    study: &Study,
+    suspect: &Suspect,
+    ids: &[String; 2],
+    offered: &mut Offered,
+) -> Result<(), Problem> {
+    let [one, other] = ids;
+    let title = format!("{one} and {other}: the files of the two exchanged");
+    let exchange = Exchange::Entries { ids: ids.clone() };
+    offer(
+        suspect,
+        title,
+        vec![(LEDGER.into(), exchange)],
+        study,
+        offered,
+    )
+}
+
 fn offer(
     suspect: &Suspect,
     title: String,
@@ -93,8 +114,7 @@ fn offer(
             }
         }
     }
-    let mut notes =
-        vec!["Only who kept the table can tell: look at the original first.".to_owned()];
+    let mut notes = vec!["Only who kept it can tell: look at the original first.".to_owned()];
     let also: Vec<String> = texts[1..].iter().map(|(file, _)| file.clone()).collect();
     if !also.is_empty() {
         notes.push(format!(

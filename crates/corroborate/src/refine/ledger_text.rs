@@ -150,29 +150,32 @@ impl NewEntry {
         if self.set_to.is_empty() {
             return Ok(());
         }
-        writeln!(text, "calibrated = [")?;
-        for it in &self.set_to {
-            let kind = match &it.subject {
-                Subject::Requirement(_) => "requirement",
-                Subject::FailureMode(_) => "failure_mode",
-            };
-            let held = if it.held { ", held = true" } else { "" };
-            let complement = if it.is_complement {
-                ", complement = true"
-            } else {
-                ""
-            };
-            writeln!(
-                text,
-                "    {{ {} = {}{held}{complement}, from = {}, {kind} = {} }},",
-                it.key,
-                quoted(&it.name),
-                quoted(&it.from),
-                quoted(it.subject.id())
-            )?;
-        }
-        writeln!(text, "]")
+        writeln!(text, "{}", calibrated(&self.set_to))
     }
+}
+
+/// The lineage of an entry, as TOML without a line break at its end.
+pub fn calibrated(set_to: &[SetTo]) -> String {
+    let lines = set_to.iter().map(|it| {
+        let kind = match &it.subject {
+            Subject::Requirement(_) => "requirement",
+            Subject::FailureMode(_) => "failure_mode",
+        };
+        let held = if it.held { ", held = true" } else { "" };
+        let complement = if it.is_complement {
+            ", complement = true"
+        } else {
+            ""
+        };
+        format!(
+            "    {{ {} = {}{held}{complement}, from = {}, {kind} = {} }},\n",
+            it.key,
+            quoted(&it.name),
+            quoted(&it.from),
+            quoted(it.subject.id())
+        )
+    });
+    format!("calibrated = [\n{}]", lines.collect::<String>())
 }
 
 /// A string as TOML writes it.

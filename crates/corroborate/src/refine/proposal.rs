@@ -10,7 +10,7 @@ use evidence::{StudyResult, Subject, Suspect, Symptom};
 use host::Host;
 use refinement::{
     Asked, Changed, Counts, Exchange, FormChange, Ground, Model, ModelChange, ModelOffers, SAME,
-    TextChange, Trial, Values, rate_of, unified,
+    TextChange, Trial, Values, Word, rate_of, unified,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -44,7 +44,7 @@ pub struct Proposal {
     pub tried: Trial,
     /// What has to be known before it is accepted.
     pub notes: Vec<String>,
-    /// Whether `--all` leaves it open: it decides what a text means, makes other evidence conflict, or mends nothing.
+    /// Whether `--all` leaves it open: it decides what a text means, makes other evidence conflict, or fixes nothing.
     pub needs_decision: bool,
     /// What is done.
     #[serde(skip)]
@@ -87,7 +87,7 @@ impl Proposal {
         matches!(self.change, Change::Exchange { .. })
     }
 
-    /// Whether nothing is suspected for it, and it mends no strong disagreement.
+    /// Whether nothing is suspected for it, and it fixes no strong disagreement.
     pub(super) fn is_idle(&self) -> bool {
         self.suspect.is_none() && self.tried.repairs.is_empty()
     }
@@ -125,6 +125,8 @@ pub enum Change {
         file: String,
         /// Which value.
         value: OneValue,
+        /// The lineage that the ledger gets, where the value was set to counts.
+        fitted: Option<Fitted>,
     },
     /// A text of the study gets another one in its place.
     Whole {
@@ -237,6 +239,37 @@ impl Offered {
         }
     }
 
+    /// Leaves open what sets a model's number on a subject that a branch put into or taken out of the same model moves, too: a number
+    /// can be made to fit what a wrong or a lacking branch does.
+    pub(super) fn await_branches(&mut self) {
+        let branches = self.proposals.iter().filter(|it| !it.tried.is_harmful());
+        let branches: Vec<(usize, String, Vec<Subject>)> = branches
+            .filter_map(|it| match &it.change {
+                Change::Model { entry, change } if is_of_structure(change) => {
+                    let moved = it.effects.iter().filter(|of| of.before != of.after);
+                    let moved = moved.map(|of| of.subject.clone()).collect();
+                    Some((it.number, entry.clone(), moved))
+                }
+                _ => None,
+            })
+            .collect();
+        for proposal in &mut self.proposals {
+            let Change::Model { entry, change } = &proposal.change else {
+                continue;
+            };
+            let is_number = !is_of_structure(change);
+            let rival = branches
+                .iter()
+                .find(|(_, of, subjects)| of == entry && subjects.contains(&change.subject()));
+            if let (true, Some((number, ..))) = (is_number, rival) {
+                proposal.needs_decision = true;
+                proposal.notes.push(format!(
+                    "Decide on {number} as well: another branch explains it, too, and then this number is right as it is."
+                ));
+            }
+        }
+    }
+
     /// Puts what does no harm before what does, and of these what is for the first suspects first.
     pub(super) fn in_order(&mut self) {
         let place = |it: &Proposal| (it.tried.is_harmful(), it.suspect.unwrap_or(u32::MAX));
@@ -245,6 +278,24 @@ impl Offered {
             proposal.number = number;
         }
     }
+}
+
+/// Whether a change says which branches a model has.
+pub fn is_of_structure(change: &ModelChange) -> bool {
+    matches!(change, ModelChange::Branchless { .. }) || change.is_of_lacking_branch()
+}
+
+/// Whose counts a number of an entry was solved for.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The entry.
+    pub entry: String,
+    /// The number.
+    pub name: String,
+    /// Whose counts.
+    pub from: String,
+    /// Of what.
+    pub subject: Subject,
 }
 
 /// The current evidence of each technique: the last in the ledger under each
@@ -306,6 +357,24 @@ pub fn asked(study: &Study) -> Vec<Asked> {
         .collect()
 }
 
+/// The propositions that properties ask for, with what they mean to a formal model.
+pub fn words(study: &Study) -> Vec<Word> {
+    let of_form = |form: &study::SubjectForm| {
+        let text = form.property.as_ref().map_or("", |it| it.text.as_str());
+        let names = quoted_names(text).into_iter();
+        let all = names.filter_map(|(name, _)| {
+            let bound = study.vocabulary.propositions.get(&name)?;
+            Some(Word {
+                subject: form.subject.clone(),
+                meaning: bound.model.as_ref()?.text.clone(),
+                name,
+            })
+        });
+        all.collect::<Vec<_>>()
+    };
+    study.forms.subjects.iter().flat_map(of_form).collect()
+}
+
 /// What could be changed in a formal model so that its failures come as often
 /// as they were counted.
 pub fn of_model(
@@ -319,6 +388,7 @@ pub fn of_model(
         evidence: &asset.entry.id,
         text: asset.text,
         asked: &asked(study),
+        words: &words(study),
         solver: &solver.at(asset.path),
         states: states_of(result, &asset.entry.id),
     };
@@ -371,10 +441,11 @@ pub fn model_proposal(
             subject: Subject::Requirement(_),
             ..
         } | ModelChange::Branchless { .. }
+            | ModelChange::Split { .. }
     );
     let is_a_guess = !changed.alternatives.is_empty() || (is_fitted && suspect != Some(1));
     // Which branches there are is decided by who knows the system.
-    let is_structure = matches!(change, ModelChange::Branchless { .. });
+    let is_structure = is_of_structure(&change);
     // What is right within the margin, or as far as chance tells, is not to be changed without being looked at.
     let repairs_nothing = tried.repairs.is_empty();
     if repairs_nothing {
@@ -388,7 +459,11 @@ pub fn model_proposal(
         number: 0,
         suspect,
         title: format!("{}: {}", entry, changed.what),
-        reason: reason(&change, before.get(&mode).copied().flatten(), counts),
+        reason: reason(
+            &change,
+            [before, &changed.values].map(|values| values.get(&mode).copied().flatten()),
+            counts,
+        ),
         diff: unified(&old, &new, asset.text, &changed.text),
         file: old,
         also: Vec::new(),
@@ -403,13 +478,24 @@ pub fn model_proposal(
     }
 }
 
-fn reason(change: &ModelChange, rate: Option<f64>, counts: &Counts) -> String {
+/// A p-value below which a predicted rate is not that of the counts.
+const OFF: f64 = 0.05;
+
+fn reason(change: &ModelChange, [rate, after]: [Option<f64>; 2], counts: &Counts) -> String {
     let mode = match change.subject() {
         Subject::FailureMode(id) => id.replace('_', " "),
         subject @ Subject::Requirement(_) => subject.in_words(),
     };
     let rate = rate.unwrap_or(0.0);
     match change {
+        ModelChange::Branch {
+            at: Some(_), name, ..
+        } => format!(
+            "No command of the model leads to {}, so that its rate of {mode} is {rate}, and it was counted in {}. A branch that leads \
+             there has the probability with which both are the same.",
+            name.replace('_', " "),
+            counts.words()
+        ),
         ModelChange::Branch { .. } => format!(
             "The model does not know {mode}, which was seen in {}.",
             counts.words()
@@ -431,10 +517,20 @@ fn reason(change: &ModelChange, rate: Option<f64>, counts: &Counts) -> String {
              acts more than once in a run, or several act together, so that it is solved for.",
             counts.words()
         ),
+        ModelChange::Split { split, .. } => format!(
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. It declares `{}` and uses it nowhere. With a branch that \
+             has this probability they agree, and nothing has to be fitted for it.",
+            counts.words(),
+            split.constant
+        ),
         ModelChange::Branchless { .. } => format!(
-            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. Without one branch of a command they agree, and \
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. Without one branch of a command they {}, and \
              nothing has to be fitted for it.",
-            counts.words()
+            counts.words(),
+            match after.and_then(|after| counts.p_value(after)) {
+                Some(p) if p < OFF => "come within the margin of each other",
+                _ => "agree",
+            }
         ),
         ModelChange::Once { .. } => format!(
             "The model's constant is the counted share ({}), but its rate of {mode} is {rate:.6}: it draws again and \
@@ -444,7 +540,7 @@ fn reason(change: &ModelChange, rate: Option<f64>, counts: &Counts) -> String {
     }
 }
 
-/// What a change of a rate does not yet mend.
+/// What a change of a rate does not yet fix.
 fn remains(change: &ModelChange, changed: &Changed) -> Option<String> {
     let ModelChange::Rate { counts, mode, .. } = change else {
         return None;
@@ -578,6 +674,7 @@ mod tests {
                 old: "0.1".into(),
                 new: "0.2".into(),
             },
+            fitted: None,
         }
     }
 

@@ -11,7 +11,7 @@ use std::fmt::Write;
 /// What was offered, and what was done.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct RefineReport {
-    /// Suspects that nothing has mended yet, the strongest first.
+    /// Suspects that nothing has fixed yet, the strongest first.
     pub open: Vec<Open>,
     /// What is offered.
     pub proposals: Vec<Proposal>,
@@ -23,7 +23,7 @@ pub struct RefineReport {
     pub open_after: Option<Vec<Open>>,
 }
 
-/// A suspect that nothing has mended yet.
+/// A suspect that nothing has fixed yet.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Open {
     /// Its rank, as `diagnose` and the report show it.
@@ -65,7 +65,7 @@ impl RefineReport {
     fn write(&self, text: &mut String) -> std::fmt::Result {
         write_open(text, "Open suspects", &self.open)?;
         if self.proposals.is_empty() {
-            writeln!(text, "Nothing is offered.")?;
+            writeln!(text, "No proposals.")?;
         }
         for proposal in &self.proposals {
             write_proposal(text, proposal)?;

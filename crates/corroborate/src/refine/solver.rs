@@ -6,7 +6,7 @@ use host::Cancel;
 use refinement::Values;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use study::Study;
 
 /// Solves texts of one study's models, each once.
@@ -14,6 +14,8 @@ pub struct Solver<'a> {
     study: &'a Study,
     interrupt: &'a Cancel,
     known: RefCell<BTreeMap<String, Values>>,
+    /// Whether the first text of each model, the one that is there, has states in which nothing can happen.
+    deadlocked: RefCell<BTreeMap<PathBuf, bool>>,
     failed: RefCell<Option<Problem>>,
 }
 
@@ -24,11 +26,16 @@ impl<'a> Solver<'a> {
             study,
             interrupt,
             known: RefCell::default(),
+            deadlocked: RefCell::default(),
             failed: RefCell::default(),
         }
     }
 
     /// Parses, checks and solves a model's text.
+    ///
+    /// # Errors
+    /// What the text says wrong; `cannot-refine` if it comes to a state in which nothing can happen and the model's first text
+    /// does not: such a change is a mistake, whatever it makes agree.
     pub fn values(&self, path: &Path, text: &str) -> Result<Values, Problem> {
         if let Some(known) = self.known.borrow().get(text) {
             return Ok(known.clone());
@@ -38,7 +45,18 @@ impl<'a> Solver<'a> {
             text: text.to_owned(),
         };
         let compiled = Compiled::of_source(self.study, source)?;
-        let values = compiled.values_at(&[], &|| self.interrupt.is_cancelled())?;
+        let (values, deadlocks) =
+            compiled.values_and_deadlocks(&[], &|| self.interrupt.is_cancelled())?;
+        let is_deadlocked = deadlocks > 0;
+        let mut known_of = self.deadlocked.borrow_mut();
+        let was = *known_of.entry(path.to_owned()).or_insert(is_deadlocked);
+        if is_deadlocked && !was {
+            let name = path.display();
+            return Err(Problem::new(
+                "cannot-refine",
+                format!("{name} would come to a state in which nothing can happen"),
+            ));
+        }
         let mut known = self.known.borrow_mut();
         known.insert(text.to_owned(), values.clone());
         Ok(values)

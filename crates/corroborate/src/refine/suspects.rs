@@ -4,12 +4,12 @@
 //! itself shows. Only current evidence is changed: what later evidence of the technique replaced stays as it is.
 
 use super::command::of_command;
-use super::exchange::{Mixed, of_columns, of_exchange};
+use super::exchange::{Mixed, of_columns, of_entries, of_exchange};
 use super::forms::of_forms;
 use super::one_value::OneValue;
 use super::proposal::{
-    Asset, Change, Offered, Proposal, asked, current, ground, is_simulated, model_proposal,
-    states_of,
+    Asset, Change, Fitted, Offered, Proposal, asked, current, ground, is_simulated, model_proposal,
+    states_of, words,
 };
 use super::simulator::of_simulator;
 use super::solver::Solver;
@@ -37,11 +37,12 @@ pub fn offered(
             sources.push((entry, model, source.text, solver.at(model)));
         }
     }
-    let asked = asked(study);
+    let (asked, words) = (asked(study), words(study));
     let models = sources.iter().map(|(entry, _, text, solver)| Model {
         evidence: &entry.id,
         text,
         asked: &asked,
+        words: &words,
         solver,
         states: states_of(result, &entry.id),
     });
@@ -83,6 +84,9 @@ pub fn offered(
     }
     let mut offered = offering.offered;
     offered.refused.extend(found.refused);
+    if result.diagnosis.is_none() && result.suspected().iter().any(Suspect::is_open) {
+        offered.refused.push(UNDIAGNOSED.to_owned());
+    }
     of_forms(study, result, &mut offered);
     offered.in_order();
     let touched = result.suspected().iter();
@@ -91,8 +95,13 @@ pub fn offered(
         .collect();
     offered.await_exchanges(&touched);
     offered.await_edits(result.suspected());
+    offered.await_branches();
     Ok(offered)
 }
+
+/// What is not offered before a diagnosis.
+const UNDIAGNOSED: &str = "Words, forms, units and branches: `diagnose` finds which of them explain what disagrees, and has not been \
+                           run on these results.";
 
 /// Offers on their way to proposals.
 struct Offering<'a> {
@@ -131,7 +140,7 @@ impl Offering<'_> {
                     let left = left.map(|(subject, left)| (subject.clone(), left));
                     let mut new =
                         model_proposal(self.result, asset, &before, (suspect, tried), change);
-                    // Of several failures each is mended by itself; a number that is fitted to a requirement has to explain all.
+                    // Of several failures each is fixed by itself; a number that is fitted to a requirement has to explain all.
                     let left = left.filter(|(_, left)| *left > STRONG && new.is_fitted());
                     if let Some((subject, _)) = left {
                         new.needs_decision = true;
@@ -191,10 +200,14 @@ impl Offering<'_> {
             (Offer::Columns { evidence, rows }, Some(of)) => {
                 of_columns(self.study, of, (&evidence, &rows), &mut self.offered)?;
             }
+            (Offer::Entries { evidence }, Some(of)) => {
+                of_entries(self.study, of, &evidence, &mut self.offered)?;
+            }
             (
                 Offer::Form(_)
                 | Offer::Text { .. }
                 | Offer::Exchange { .. }
+                | Offer::Entries { .. }
                 | Offer::Columns { .. },
                 None,
             ) => {}
@@ -211,7 +224,14 @@ fn of_values(study: &Study, suspect: &Suspect, offered: &mut Offered) -> Result<
     let source = texts::read(study, Path::new(file))?;
     let mut known: Vec<OneValue> = Vec::new();
     for symptom in &suspect.symptoms {
-        let Symptom::EditExplains { found, instead, .. } = symptom else {
+        let Symptom::EditExplains {
+            found,
+            instead,
+            subject,
+            pairs,
+            ..
+        } = symptom
+        else {
             continue;
         };
         let value = OneValue {
@@ -228,20 +248,30 @@ fn of_values(study: &Study, suspect: &Suspect, offered: &mut Offered) -> Result<
             "{part}: `{}` in place of `{found}`",
             instead.replace('\n', ", ")
         );
-        let note = "This decides what a word, a form or a number of the study means; that it makes the evidence agree \
-                    does not show that it is right.";
+        let fitted = fitted(study, suspect, &source.text, (subject, pairs));
+        let note = match &fitted {
+            Some(of) => format!(
+                "It is solved for: from then on, agreement with {} on {} is a fit, not corroboration.",
+                of.from,
+                of.subject.in_words()
+            ),
+            None => "This decides what a word, a form or a number of the study means; that it makes the evidence agree does not show \
+                     that it is right."
+                .to_owned(),
+        };
         match value.make(&source.text) {
             Ok(changed) => offered.add(Proposal {
                 title,
                 file: file.clone(),
                 diff: unified(file, file, &source.text, &changed),
-                notes: vec![note.into()],
+                notes: vec![note],
                 needs_decision: true,
                 ..of(
                     suspect,
                     Change::Value {
                         file: file.clone(),
                         value,
+                        fitted,
                     },
                 )
             }),
@@ -249,6 +279,39 @@ fn of_values(study: &Study, suspect: &Suspect, offered: &mut Offered) -> Result<
         }
     }
     Ok(())
+}
+
+/// The lineage of a fault tree's number that was solved for; none of other texts.
+fn fitted(
+    study: &Study,
+    suspect: &Suspect,
+    text: &str,
+    (subject, pairs): (&Subject, &[[String; 2]]),
+) -> Option<Fitted> {
+    let file = suspect.asset.file.as_deref()?;
+    let line = suspect.asset.line?;
+    let written = text
+        .lines()
+        .nth(usize::try_from(line).ok()?.checked_sub(1)?)?;
+    // The event whose number stands in the line, or else the number by its place.
+    let event = written.trim_start().strip_prefix('"');
+    let event = event.and_then(|it| it.split('"').next());
+    let name = match event.filter(|it| study::is_name(it)) {
+        Some(event) => event.to_owned(),
+        None => format!(
+            "{} of line {line}",
+            suspect.asset.part.as_deref()?.trim_matches('`')
+        ),
+    };
+    pairs.iter().find_map(|[entry, from]| {
+        let work = &study.ledger.iter().find(|it| &it.id == entry)?.work;
+        (work.tree()?.to_string_lossy().replace('\\', "/") == file).then(|| Fitted {
+            entry: entry.clone(),
+            name: name.clone(),
+            from: from.clone(),
+            subject: subject.clone(),
+        })
+    })
 }
 
 fn of_form(study: &Study, suspect: &Suspect, change: FormChange, offered: &mut Offered) {

@@ -14,11 +14,7 @@ fn handover() -> PathBuf {
 }
 
 fn counts(evidence: &str, count: u64, trials: u64) -> Counts {
-    Counts {
-        evidence: evidence.into(),
-        count,
-        trials,
-    }
+    Counts::of_independent(evidence, count, trials).expect("counts")
 }
 
 fn states(text: &str) -> (usize, usize) {
@@ -48,9 +44,11 @@ fn rate(sensor: &str, count: u64) -> ModelChange {
 
 fn branch(mode: &str, occurs: &str, after: &str, counts: Counts) -> ModelChange {
     ModelChange::Branch {
-        mode: mode.into(),
+        subject: Subject::FailureMode(mode.into()),
+        name: mode.into(),
         occurs: occurs.into(),
         after: Some(after.into()),
+        at: None,
         counts,
     }
 }

@@ -3,8 +3,8 @@
 use crate::technique::exploration::OpenBench;
 use crate::technique::simulation::Seeds;
 use diagnostic::Problem;
-use host::Cancel;
 use host::store::hash_of;
+use host::{Cancel, Host};
 use rig::episode_name;
 use std::path::{Path, PathBuf};
 use stimulus::{AbstractTest, Stimulus};
@@ -33,18 +33,14 @@ pub struct Episode {
 impl Episode {
     /// The episode of a finding's file, or of an evidence by its number, with
     /// the bench that runs it.
-    pub fn named(
-        study: &Study,
-        text: &str,
-        library: Option<&Path>,
-    ) -> Result<(Self, OpenBench), Problem> {
+    pub fn named(study: &Study, text: &str, host: &Host) -> Result<(Self, OpenBench), Problem> {
         if let Some(file) = finding_file(study, Path::new(text)) {
             let episode = Self::of_finding(Finding::read(&file)?, &file);
-            let bench = OpenBench::of_files(study, &episode.bench, library)?;
+            let bench = OpenBench::of_files(study, &episode.bench, host)?;
             return Ok((episode, bench));
         }
         match text.rsplit_once(':') {
-            Some((evidence, number)) => Self::of_evidence(study, evidence, number, library),
+            Some((evidence, number)) => Self::of_evidence(study, evidence, number, host),
             None => Err(no_finding(study, Path::new(text))),
         }
     }
@@ -71,12 +67,13 @@ impl Episode {
         study: &Study,
         evidence: &str,
         number: &str,
-        library: Option<&Path>,
+        host: &Host,
     ) -> Result<(Self, OpenBench), Problem> {
         let entry = study.entry(evidence)?;
         let parsed = number.parse::<u64>().ok().filter(|number| *number > 0);
         let Some(number) = parsed else {
-            let message = format!("`{number}` is no number of an episode");
+            let message =
+                format!("the number of an episode must be a whole number from 1 (got `{number}`)");
             return Err(Problem::new("bad-episode", message)
                 .remedy(format!("episodes are numbered from 1: {evidence}:1")));
         };
@@ -87,7 +84,7 @@ impl Episode {
                 "name one from {evidence}:1 to {evidence}:{episodes}"
             )));
         }
-        let bench = OpenBench::of_entry(study, entry, library)?;
+        let bench = OpenBench::of_entry(study, entry, host)?;
         let episode = Self {
             name: format!("{evidence}-{number}"),
             origin: format!("episode {number} of {evidence}"),

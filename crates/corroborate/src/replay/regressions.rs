@@ -1,6 +1,6 @@
 //! All regressions run again: which do what is expected of them.
 //!
-//! A regression is expected to fail (to show what it did) until its fault is mended, and to pass from then on. To pass is
+//! A regression is expected to fail (to show what it did) until its fault is fixed, and to pass from then on. To pass is
 //! more than not to show it: the requirement has to come up and to be decided. What was cut to show a violation early is
 //! run to its own end before it counts as passed.
 
@@ -118,14 +118,13 @@ impl RegressionReport {
             (RegressionState::Fails, Expected::Fails) => "fails, as expected".into(),
             (RegressionState::Passes, Expected::Passes) => "passes, as expected".into(),
             (RegressionState::Fails, Expected::Passes) => {
-                "fails again: it was mended before, and is expected to pass".into()
+                "fails again: it was fixed before, and is expected to pass".into()
             }
             (RegressionState::Passes, Expected::Fails) if self.updated => {
                 "passes now, and is expected to from now on".into()
             }
             (RegressionState::Passes, Expected::Fails) => {
-                "passes now and is expected to fail: if it is mended, say so (`expected = \"passes\"` in its file, or --update), \
-                 so that it is told when it comes back"
+                "passes now and is expected to fail: if it is fixed, say so (`expected = \"passes\"` in its file, or --update), so that a later failure is reported"
                     .into()
             }
         }
@@ -148,7 +147,7 @@ pub fn check_regressions(
     let is_outside = |finding: &Finding| command_of(&study, &finding.bench).is_some();
     if !findings.iter().flatten().all(is_outside) {
         // What keeps all of them from running is no result of any.
-        load_engine(host.physics_library.as_deref())?;
+        load_engine(host)?;
     }
     let prepared = Prepared::new(&study, &findings, host);
     let stage = host.events.begin("regressions", files.len() as u64);
@@ -224,13 +223,12 @@ struct Prepared<'a> {
 
 impl<'a> Prepared<'a> {
     fn new(study: &'a Study, findings: &[Result<Finding, Problem>], host: &'a Host) -> Self {
-        let library = host.physics_library.as_deref();
         let (mut benches, mut judges) = (BTreeMap::new(), BTreeMap::new());
         for finding in findings.iter().flatten() {
             let files = &finding.bench;
             benches
                 .entry(key(files))
-                .or_insert_with(|| OpenBench::of_files(study, files, library));
+                .or_insert_with(|| OpenBench::of_files(study, files, host));
             let shows = &finding.shows;
             judges
                 .entry(shows.clone())

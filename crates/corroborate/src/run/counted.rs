@@ -13,6 +13,7 @@ pub(crate) fn counted_constants(
     before: &[Piece],
     value_of: &dyn Fn(&str) -> Option<f64>,
 ) -> Result<Vec<CountedConstant>, Problem> {
+    let level = crate::technique::confidence(study.about.confidence)?;
     let mut counted = Vec::new();
     check_values(study, entry, before, value_of)?;
     // A step on the way is not compared, so its uncertainty is not asked for.
@@ -33,11 +34,7 @@ pub(crate) fn counted_constants(
         let Some(finding) = finding else {
             continue;
         };
-        let place = || calibrated.span.clone();
-        let bad = |error: stats::StatsError| {
-            Problem::new("bad-counts", error.to_string()).at(&study.ledger_source, place())
-        };
-        let Some(sample) = calibrated.sample(&finding.measure).map_err(bad)? else {
+        let Some(posterior) = calibrated.posterior(finding, level) else {
             return Err(Problem::new(
                 "bad-calibration",
                 format!(
@@ -48,12 +45,12 @@ pub(crate) fn counted_constants(
                     calibration.subject.id()
                 ),
             )
-            .at(&study.ledger_source, place())
+            .at(&study.ledger_source, calibrated.span.clone())
             .remedy("calibrate from evidence that counts"));
         };
         counted.push(CountedConstant {
             name: constant.clone(),
-            sample,
+            posterior,
             from: calibration.from.clone(),
             subject: calibration.subject.clone(),
             is_complement: calibrated.is_complement,

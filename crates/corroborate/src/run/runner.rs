@@ -8,7 +8,7 @@ use crate::results::{REPORT, RESULT, json};
 use crate::technique::matrix::inputs_of;
 use crate::technique::model_checking::{worst_case_tests, worst_cases_in_lines};
 use crate::technique::{Produced, Working};
-use diagnostic::Problem;
+use diagnostic::{Problem, counted};
 use evidence::{DescriptionGap, EpisodeFailures, Measure, StudyResult};
 use host::store::Store;
 use judging::forms::differences;
@@ -165,5 +165,8 @@ fn failures_in_words(failure: &EpisodeFailures) -> Option<String> {
     };
     let (kind, first) = (failure.kind, failure.witnesses.first());
     let first = first.map_or(String::new(), |name| format!(", first in {name}"));
-    Some(format!("{kind} in {count} of {trials} episodes{first}"))
+    Some(format!(
+        "{kind} in {count} of {}{first}",
+        counted(trials, "episode")
+    ))
 }

@@ -7,7 +7,7 @@
 //! can be made smaller, too.
 //!
 //! Without it shrinking ends where the scenario only just shows it, and the least change of the robot, of the physics or of the
-//! compiler mends it for show.
+//! compiler fixes it for show.
 //!
 //! Of what no number grades there is no margin: of truth values alone in a formula, of a program that fails, of steps that a
 //! formal model does not have.

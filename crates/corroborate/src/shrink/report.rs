@@ -2,6 +2,7 @@
 
 use super::trials::Shrunken;
 use campaign::{ShrinkOptions, Size};
+use diagnostic::counted;
 use evidence::CauseSetting;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -128,10 +129,10 @@ impl ShrinkReport {
     /// The episodes that were run, and which of them were of the fast physics.
     pub fn episodes_in_words(&self) -> String {
         match self.fast_episodes {
-            0 => format!("{} episodes", self.episodes),
+            0 => counted(self.episodes, "episode"),
             fast => format!(
-                "{} episodes, {fast} of them in the fast physics, whose proposals the full physics has to show",
-                self.episodes
+                "{}, {fast} of them in the fast physics, whose proposals the full physics has to show",
+                counted(self.episodes, "episode")
             ),
         }
     }
@@ -154,8 +155,8 @@ impl ShrinkReport {
             false => format!("With {}", causes.join(", ")),
         };
         match (&self.not_pinned, with.is_empty()) {
-            (None, true) => "Everything that is set or drawn once is nominal.".to_owned(),
-            (None, false) => format!("{with}; all else that is set or drawn once is nominal."),
+            (None, true) => "All parameters are at their nominal values.".to_owned(),
+            (None, false) => format!("{with}; all other parameters are at their nominal values."),
             (Some(reason), true) => {
                 format!("What its seed draws is not set and may be the cause: {reason}.")
             }
@@ -185,15 +186,14 @@ impl ShrinkReport {
             false => "Perhaps it can be made smaller still: the search ended early.",
         };
         format!(
-            "Shows: {}, {in_seeds}: {}.\n{}\nMade of {from}: {} actions to {actions}, {} settings that are \
-             not nominal to {settings}, {:.1} s to {simulated_secs:.1} s, in\n{}.\n{minimal}\n\
-             Once it is mended, write `expected = \"passes\"` below (or: corroborate replay STUDY --check --update).\n\
+            "Shows: {}, {in_seeds}: {}.\n{}\nMade of {from}: {} to {actions}, {} not nominal to {settings}, {:.1} s to {simulated_secs:.1} s, in\n{}.\n{minimal}\n\
+             Once it is fixed, write `expected = \"passes\"` below (or: corroborate replay STUDY --check --update).\n\
              To look at it: corroborate replay STUDY regressions/{}",
             self.shows,
             self.clarity_in_words(),
             self.causes_in_words(),
-            before.actions,
-            before.settings,
+            counted(before.actions, "action"),
+            counted(before.settings, "setting"),
             before.simulated_secs,
             self.episodes_in_words(),
             file.to_string_lossy()
@@ -243,7 +243,7 @@ mod tests {
             after: extent,
             test: AbstractTest::new("nothing", Vec::new()),
         };
-        let expected = "With hand.friction = 0.32 (nominal 0.6); all else";
+        let expected = "With hand.friction = 0.32 (nominal 0.6); all other";
         assert!(
             report.causes_in_words().starts_with(expected),
             "{}",

@@ -49,8 +49,7 @@ impl Subject {
     ) -> Result<Self, Problem> {
         let mut finding = Finding::read(file)?;
         finding.shows = asked.unwrap_or(finding.shows);
-        let library = host.physics_library.as_deref();
-        let bench = OpenBench::of_files(study, &finding.bench, library)?;
+        let bench = OpenBench::of_files(study, &finding.bench, host)?;
         let stem = file.file_stem().unwrap_or_default().to_string_lossy();
         let from = file.file_name().unwrap_or_default().to_string_lossy();
         Ok(Self {
@@ -68,7 +67,7 @@ impl Subject {
         asked: Option<Shows>,
         host: &Host,
     ) -> Result<Self, Problem> {
-        let (episode, bench) = Episode::named(study, text, host.physics_library.as_deref())?;
+        let (episode, bench) = Episode::named(study, text, host)?;
         let shows = match asked {
             Some(shows) => shows,
             None => only_thing_shown(study, &episode, &bench, host)?,

@@ -98,10 +98,9 @@ pub struct SimulatedEpisodes {
 pub fn simulate(request: &SimulateRequest, setting: &Host) -> Result<SimulatedEpisodes, Problem> {
     let study = Study::load(&request.study)?;
     let entry = study.entry(&request.evidence)?;
-    let library = setting.physics_library.as_deref();
     let rig = match request.in_second_engine {
-        true => rigs::in_second_engine(&study, entry)?,
-        false => rigs::of_entry(&study, entry, library)?,
+        true => rigs::in_second_engine(&study, entry, setting)?,
+        false => rigs::of_entry(&study, entry, setting)?,
     };
     let called = Called {
         study: &study,

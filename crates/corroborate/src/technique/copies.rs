@@ -5,16 +5,22 @@
 //! of two of them (`products`), counts that are another piece's (`counts`), and rows of tables that repeat another table's
 //! (`experiment::repeated` by name; `experiment::renamed` by place and by content). Each possible coincidence has a
 //! probability if the sources are independent (`stats::coincidence`); one that was met is a *question* to the user if any
-//! as improbable would be met in at most [`LIMIT`] of studies of independent evidence. Beside them stand trials of one
-//! table that are alike where it does not say that they belong together (`trials`), equal seeds (`seeds`: in tables a question, where the ledger gives them known), and models of which
-//! most was written once (`statements`), which is no question.
+//! of its kind as improbable would be met in at most [`LIMIT`] of studies of independent evidence. Beside them stand trials of one
+//! table that are alike where it does not say that they belong together (`trials`), equal seeds (`seeds`: in tables a question, where the ledger
+//! gives them known), models that compute the same number (`answers`), and models of which most was written once (`statements`), which
+//! is stated without a question.
 //!
 //! What is improbable for its own numbers but not for all that were looked at is *noted*: it changes no outcome.
+//!
+//! # Assumes
+//! Independent sources find numbers, counts and rows as `stats::coincidence` has it. Each kind is held against [`LIMIT`] by
+//! itself, so that several kinds together may ask oftener.
 //!
 //! # Guarantee
 //! `cargo run --release -p corroborate-stats --example copies` measures how often studies of independent evidence are asked about, and
 //! which copies are found. A ledger's `independent` settles a question, whatever its probability.
 
+mod answers;
 mod constants;
 mod counts;
 mod products;
@@ -63,6 +69,16 @@ pub fn find(study: &Study, evidence: &mut [Evidence]) -> Result<(), Problem> {
     found.extend(seeds::fill(study, evidence));
     found.extend(trials::questions(study, evidence)?);
     statements::fill(study, evidence)?;
+    found.extend(answers::questions(evidence));
+    // That a total is the same is no news where its rows are asked about, or its file.
+    let asked: Vec<(usize, String)> = found
+        .iter()
+        .filter(|(_, it)| it.kind != CopyKind::Counts)
+        .map(|(piece, it)| (*piece, it.with.clone()))
+        .collect();
+    found.retain(|(piece, it)| {
+        it.kind != CopyKind::Counts || it.blocks || !asked.contains(&(*piece, it.with.clone()))
+    });
     for (piece, mut question) in found {
         let reason = |of: &str, with: &str| {
             let entry = study.ledger.iter().find(|entry| entry.id == of)?;

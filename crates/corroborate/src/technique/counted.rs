@@ -9,6 +9,12 @@
 //! The state-of-knowledge correlation of probabilistic risk assessment (G. Apostolakis, S. Kaplan, "Pitfalls in risk
 //! calculations", Reliability Engineering 2, 1981).
 //!
+//! # Assumes
+//! Sources are independent of each other, and their trials are, or count at their effective size. The number of a model is
+//! the rate that was counted, under the same conditions. Of the runs without a verdict nothing, unless the study declares
+//! that they are missing at random: one beta distribution of the rate has the limits of all that they may have shown
+//! (`stats::BetaPosterior::spanning`).
+//!
 //! # Guarantee
 //! Sources are taken as independent of each other, also those of one piece of evidence.
 
@@ -20,13 +26,13 @@ use host::store::Inputs;
 pub struct CountedConstant {
     /// Its name.
     pub name: String,
-    /// The counts, at what they are worth in independent trials.
-    pub sample: stats::EffectiveSample,
+    /// What the counts say of it.
+    pub posterior: stats::BetaPosterior,
     /// The evidence whose counts they are; a tree's own counts are the tree's.
     pub from: String,
     /// Whose rate the counts are.
     pub subject: Subject,
-    /// Whether it is set to the complement of that rate; the sample is the complement's, too.
+    /// Whether it is set to the complement of that rate; the posterior is the complement's, too.
     pub is_complement: bool,
     /// Whether it keeps its value; then only its bearing is found out.
     pub held: bool,
@@ -35,12 +41,8 @@ pub struct CountedConstant {
 /// What results depend on by the counts of constants.
 pub(crate) fn counts_as_inputs(counted: &[CountedConstant], inputs: &mut Inputs) {
     for constant in counted {
-        let sample = (
-            constant.sample.successes,
-            constant.sample.trials,
-            constant.held,
-        );
-        inputs.add_json(&constant.name, &sample);
+        let (alpha, beta) = constant.posterior.parameters();
+        inputs.add_json(&constant.name, &(alpha, beta, constant.held));
         let source = (
             &constant.from,
             constant.subject.id(),
@@ -79,9 +81,8 @@ impl Sources {
             let is_mirrored = constant.is_complement != first[source].is_complement;
             of.push((source, is_mirrored));
         }
-        let posterior = |it: &&CountedConstant| stats::BetaPosterior::jeffreys(it.sample);
         Self {
-            posteriors: first.iter().map(posterior).collect(),
+            posteriors: first.iter().map(|it| it.posterior).collect(),
             names,
             of,
         }

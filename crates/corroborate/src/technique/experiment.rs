@@ -195,7 +195,7 @@ impl Tables {
             (_, _, Some((_, 0))) => Ok(not_covered(uncovered)),
             (Some(alike), _, Some((count, trials))) => alike.total(form, (count, trials), level),
             (None, _, Some((count, trials))) => counts(count, trials, None, level),
-            (_, _, None) => Ok(not_covered("The tables do not speak of it.")),
+            (_, _, None) => Ok(not_covered("The tables do not count it.")),
         }
     }
 

@@ -290,7 +290,7 @@ impl Technique for Brought<'_> {
 }
 
 fn unknown(study: &Study, (producer, span): (&str, &Range<usize>), others: &Techniques) -> Problem {
-    let message = format!("nobody brought the technique `{producer}`");
+    let message = format!("unknown technique `{producer}`");
     let problem = Problem::new("unknown-technique", message).at(&study.ledger_source, span.clone());
     match did_you_mean(producer, others.0.keys().map(String::as_str)) {
         Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),

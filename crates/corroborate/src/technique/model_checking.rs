@@ -211,8 +211,7 @@ impl<'a> Compiled<'a> {
         Ok(truth.map_or(asked, |truth| Asked {
             measure: Measure::NotCovered {
                 reason: format!(
-                    "Its property is {truth} of each run that counts, whatever the model's commands do, so that the model \
-                     says nothing of it."
+                    "Its property is {truth} of each run that counts, whatever the model's commands do, so the model is not evidence about it."
                 ),
             },
             denominator: Denominator::default(),
@@ -390,10 +389,10 @@ impl<'a> Compiled<'a> {
                     measure: Measure::NotExpressible {
                         reason: match &form.no_property {
                             Some(reason) => {
-                                format!("Its sentence is no logical property: {reason}.")
+                                format!("Its sentence has no logical property: {reason}.")
                             }
                             None => {
-                                "It has no logical property: the formal model does not speak of it."
+                                "It has no logical property: the formal model does not express it."
                                     .into()
                             }
                         },

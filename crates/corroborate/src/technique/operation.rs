@@ -307,7 +307,8 @@ fn settings(count: usize, mixtures: &BTreeMap<String, u64>) -> String {
     let told = mixtures
         .iter()
         .map(|(what, count)| format!("; {count} {what}"));
-    format!("{count} recordings{}", told.collect::<String>())
+    let recordings = diagnostic::counted(count, "recording");
+    format!("{recordings}{}", told.collect::<String>())
 }
 
 /// What a trial from which something is missing can still show.
@@ -372,6 +373,6 @@ mod tests {
             settings(3, &mixtures),
             "3 recordings; 2 simulated as in E2 but /felt, /seen from outside"
         );
-        assert_eq!(settings(1, &BTreeMap::new()), "1 recordings");
+        assert_eq!(settings(1, &BTreeMap::new()), "1 recording");
     }
 }

@@ -8,6 +8,9 @@
 //! # Cost
 //! The first message of each recording is read; all messages only of those whose first is another's.
 //!
+//! # Assumes
+//! Different trials differ in some message: not so where few values were recorded.
+//!
 //! # Guarantee
 //! What is the same is found, as far as it can be read. Not found: a copy that was cut, shifted in time, or written in a
 //! format that encodes messages in another way. Two trials may have the same messages if few values were recorded; so the

@@ -8,6 +8,9 @@
 //! 1980 tell nothing but an order, since many recorders begin at 0. For each requirement and failure mode each grouping,
 //! and the order of the times, are tested by permutation (`stats::grouping`) over the recordings that have a verdict.
 //!
+//! # Assumes
+//! Under the hypothesis recordings with a verdict are exchangeable. The times at which they begin put them in order.
+//!
 //! # Guarantee
 //! If the recordings are exchangeable, each p-value is at most `a` with a probability of at most `a`. The strongest is kept
 //! with the number of tests, so that a question allows for all of them (`copies::trials`). Not found: groups of one

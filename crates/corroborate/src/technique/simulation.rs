@@ -5,11 +5,10 @@
 //! run by `technique::campaign`.
 
 use super::campaign::{Intervals, Tally, monitors};
-use crate::memory;
 use diagnostic::Problem;
 use evidence::Finding;
 use host::store::Inputs;
-use host::{Cancel, Stage};
+use host::{Cancel, Host, Stage};
 use judging::{Judgement, Judges};
 use rayon::prelude::*;
 use rig::{Resumable, Rig, episode_name};
@@ -65,8 +64,8 @@ pub fn in_two_parts(
 }
 
 /// Loads the physics library.
-pub fn load_engine(library: Option<&Path>) -> Result<Engine, Problem> {
-    let Some(library) = library else {
+pub fn load_engine(host: &Host) -> Result<Engine, Problem> {
+    let Some(library) = &host.physics_library else {
         return Err(Problem::new(
                 "no-physics-library",
                 "simulations need the MuJoCo library, whose place is not known",
@@ -77,7 +76,7 @@ pub fn load_engine(library: Option<&Path>) -> Result<Engine, Problem> {
         Problem::new("no-physics-library", error.to_string())
             .remedy("run `tools/mujoco`, which fetches the version that is needed")
     })?;
-    memory::give_large_blocks_back();
+    host.memory.physics_begins();
     Ok(engine)
 }
 

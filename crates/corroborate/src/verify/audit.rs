@@ -1,6 +1,5 @@
 //! What a verification found.
 
-use crate::outcome::Outcome;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -82,14 +81,6 @@ impl Audit {
 }
 
 impl VerifyReport {
-    /// Whether everything that was checked holds.
-    pub fn outcome(&self) -> Outcome {
-        match self.faults.is_empty() {
-            true => Outcome::Holds,
-            false => Outcome::Violated,
-        }
-    }
-
     /// The report of an audit.
     pub(crate) fn new(results: &Path, study: &Path, audit: Audit) -> Self {
         Self {

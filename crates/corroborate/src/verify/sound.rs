@@ -111,9 +111,9 @@ fn answer(answer: &MethodAnswer) -> Result<(), &'static str> {
     let known_to = match answer.guarantee {
         Guarantee::Exact { .. } => ROUNDING,
         // Either may stand anywhere between the bounds.
-        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. } => {
-            ROUNDING + high - low
-        }
+        Guarantee::Bounded { low, high }
+        | Guarantee::Schedulers { low, high, .. }
+        | Guarantee::Statistical { low, high, .. } => ROUNDING + high - low,
         Guarantee::Estimated { .. } => f64::INFINITY,
     };
     if let Some(complement) = answer.complement {
@@ -123,7 +123,9 @@ fn answer(answer: &MethodAnswer) -> Result<(), &'static str> {
         )?;
     }
     match &answer.guarantee {
-        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. } => inside_of(
+        Guarantee::Bounded { low, high }
+        | Guarantee::Schedulers { low, high, .. }
+        | Guarantee::Statistical { low, high, .. } => inside_of(
             answer.value,
             (*low, *high),
             "the answer does not lie within its own bounds",
@@ -211,7 +213,7 @@ fn inside(value: f64, interval: Interval) -> Result<(), &'static str> {
     let Interval { low, high } = interval;
     hold(
         0.0 <= low && low <= high && high <= 1.0,
-        "it is no interval of probabilities",
+        "it is not an interval of probabilities",
     )?;
     let bounds = (low - ROUNDING, high + ROUNDING);
     inside_of(

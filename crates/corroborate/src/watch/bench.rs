@@ -71,7 +71,7 @@ impl Bench {
         let entry = study.entry(&asked.entry)?;
         let file = entry.work.simulated_file();
         let file = file.ok_or_else(|| no_rest(entry))?;
-        let rig = rigs::of_entry(study, entry, setting.physics_library.as_deref())?;
+        let rig = rigs::of_entry(study, entry, setting)?;
         let is_outside = |signals: &[String]| is_outside(&asked.outside, map, signals);
         let rest = rig.rest(&is_outside).ok_or_else(|| no_rest(entry))?;
         let table = Ros2Table::beside(&study.folder.join(file))?;
@@ -192,7 +192,7 @@ fn shown(path: &Path) -> String {
 
 /// Said of an entry whose episodes cannot keep step with a robot.
 fn no_rest(entry: &Entry) -> Problem {
-    let message = format!("`{}` is no simulation of this study", entry.id);
+    let message = format!("`{}` is not a simulation of this study", entry.id);
     Problem::new("not-a-simulation", message)
         .remedy("name an entry of the ledger with a scenario or a scene")
 }

@@ -77,7 +77,7 @@ impl Hub {
                     self.miss(format!("it was interrupted before {what}"));
                 }
             } else if self.audience.is_gone() {
-                self.ended = Some("nobody reads what is told".into());
+                self.ended = Some("its output is no longer read".into());
             } else if self
                 .ends_at_nanos
                 .is_some_and(|end| self.clock.now_nanos() >= end)

@@ -82,11 +82,7 @@ pub fn variants(study: &Study) -> Result<Vec<Read>, Problem> {
 
 fn read(study: &Study, file: &std::path::Path) -> Result<Read, Problem> {
     let source = host::files::read_source(file)?;
-    let variant: Variant = toml::from_str(&source.text).map_err(|error| {
-        let mut problem = study::placed::from_toml(&source, &error);
-        problem.code = CODE;
-        problem.remedy("`corroborate explain bad-variant` says what a variant holds")
-    })?;
+    let variant: Variant = study::read_toml(CODE, &source)?;
     for subject in &variant.subjects {
         subject_of(study, &source, subject)?;
     }

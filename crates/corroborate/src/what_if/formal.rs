@@ -43,16 +43,17 @@ impl<'a> Base<'a> {
         interrupt: &Cancel,
         stage: &Stage,
     ) -> Result<Self, Problem> {
+        let level = crate::technique::confidence(study.about.confidence)?;
         let (mut names, mut posteriors) = (Vec::new(), Vec::new());
         for calibrated in entry.calibrated.iter().filter(|it| !it.held) {
             let calibration = &calibrated.calibration;
             let piece = result.evidence.iter().find(|e| e.id == calibration.from);
             let finding = piece.and_then(|piece| piece.finding(&calibration.subject));
             if let (Some(name), Some(finding)) = (&calibrated.constant, finding)
-                && let Ok(Some(sample)) = calibrated.sample(&finding.measure)
+                && let Some(posterior) = calibrated.posterior(finding, level)
             {
                 names.push(name.clone());
-                posteriors.push(stats::BetaPosterior::jeffreys(sample));
+                posteriors.push(posterior);
             }
         }
         let design = match names.is_empty() {
@@ -197,7 +198,7 @@ impl<'a> Base<'a> {
         match model.constant(RESULT) {
             Some(prism_lang::Value::Double(number)) => Ok(number.to_f64()),
             Some(prism_lang::Value::Int(value)) => Ok(*value as f64),
-            _ => Err("it is no number".into()),
+            _ => Err("its result is not a number".into()),
         }
     }
 }

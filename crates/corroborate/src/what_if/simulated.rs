@@ -64,7 +64,7 @@ impl Episodes<'_> {
     }
 
     fn rig(&self) -> Result<Box<dyn Rig>, Problem> {
-        rigs::of_entry(self.study, self.entry, self.host.physics_library.as_deref())
+        rigs::of_entry(self.study, self.entry, self.host)
     }
 
     /// The verdicts of the episodes that the study's results hold, by number: of this program, these files and monitors.

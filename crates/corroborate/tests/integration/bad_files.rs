@@ -125,14 +125,14 @@ fn wrong_rare_events_are_told_with_their_line() {
         (
             "until_secs = 4.0",
             "until_secs = -4.0",
-            three,
-            "no duration",
+            None,
+            "`until_secs` must be more than 0 (got -4)",
         ),
         (
             "replications = 10",
             "replications = 1",
-            three,
-            "one replication",
+            None,
+            "`replications` must be at least 2",
         ),
         ("six bad readings", "three bad readings", None, "two events"),
         ("scenario = ", "scene = ", None, "neither a scene"),

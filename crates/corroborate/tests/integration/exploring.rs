@@ -58,7 +58,7 @@ fn json(value: &impl serde::Serialize) -> String {
 
 /// How many episodes of an exploration were run, and how many were taken from its journal.
 fn run_and_taken(events: &Mutex<Vec<Event>>) -> (usize, u64) {
-    let events = events.lock().expect("nobody panicked");
+    let events = events.lock().expect("the events");
     let run = events
         .iter()
         .filter(|event| matches!(event, Event::Advanced { .. }));

@@ -1,8 +1,10 @@
 //! The engine as a library: no process is started for it, and nothing of a process is shared by those who use it.
 
+mod all_mistakes;
 mod bad_files;
 mod exploring;
 mod own_technique;
 mod plans;
 mod side_by_side;
 mod support;
+mod whole_study;

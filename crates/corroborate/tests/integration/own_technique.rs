@@ -2,7 +2,8 @@
 
 use crate::support::{Copy, host};
 use corroborate::evidence::{
-    AssetRole, Cost, Denominator, Evidence, Finding, Measure, Subject, Tool,
+    AssetRole, Comparison, Cost, Denominator, Evidence, Finding, Guarantee, Measure, MethodAnswer,
+    Outcome, Subject, Tool,
 };
 use corroborate::host::store::Inputs;
 use corroborate::technique::{
@@ -24,7 +25,8 @@ with = { tosses = "coin.txt", requirement = "1" }
 changed = "The charger has gone, and a coin stands for it."
 "#;
 
-/// Tosses of a coin, each of which shows heads (`1`) or not (`0`); a file `bent` beside them says that they do not count.
+/// Tosses of a coin, each of which shows heads (`1`) or not (`0`); a file `bent` beside them says that they do not count, and
+/// `sampled` that a model was tossed, whose probability they estimate.
 struct Coin;
 
 /// The tosses of one entry.
@@ -34,6 +36,7 @@ struct Tosses<'a> {
     heads: u64,
     tosses: u64,
     is_bent: bool,
+    is_sampled: bool,
 }
 
 impl<'a> Tosses<'a> {
@@ -48,6 +51,7 @@ impl<'a> Tosses<'a> {
         };
         let text = files.text(AssetRole::Data, Path::new(path))?.text;
         let bent = files.text_if_any(AssetRole::Data, Path::new("bent"))?;
+        let sampled = files.text_if_any(AssetRole::Data, Path::new("sampled"))?;
         let shown = text.chars().filter(|it| "01".contains(*it));
         Ok(Self {
             asked,
@@ -55,12 +59,34 @@ impl<'a> Tosses<'a> {
             heads: shown.clone().filter(|it| *it == '1').count() as u64,
             tosses: shown.count() as u64,
             is_bent: bent.is_some(),
+            is_sampled: sampled.is_some(),
         })
+    }
+
+    /// A probability of which the interval of the counts is known, at its level.
+    fn sampled(&self, counted: Measure) -> Measure {
+        let interval = counted.interval().expect("it was tossed");
+        Measure::Probability {
+            answer: MethodAnswer {
+                method: "tossed".into(),
+                value: self.heads as f64 / self.tosses as f64,
+                complement: None,
+                guarantee: Guarantee::Statistical {
+                    confidence: self.asked.study.about.confidence,
+                    low: interval.low,
+                    high: interval.high,
+                },
+                iterations: None,
+            },
+            others: Vec::new(),
+            credible: None,
+        }
     }
 
     fn found(&self) -> Result<Produced, Problem> {
         let level = confidence(self.asked.study.about.confidence)?;
         let measure = match self.is_bent {
+            false if self.is_sampled => self.sampled(counts(self.heads, self.tosses, None, level)?),
             false => counts(self.heads, self.tosses, None, level)?,
             true => Measure::NotCovered {
                 reason: "The coin is bent.".into(),
@@ -277,4 +303,50 @@ fn a_technique_that_nobody_brought_is_named_with_its_place() {
     study.edit("ledger.toml", "producer = \"coim\"\n", "");
     let problem = corroborate::plan(&request(&study), &host(|_| false).0).expect_err("no work");
     assert!(problem.has_place(), "{problem}");
+}
+
+/// The comparisons of the coin on the requirement, with the identifiers of the other evidence.
+fn pairs_of_coin(result: &StudyResult) -> Vec<&Comparison> {
+    let subject = Subject::Requirement("1".into());
+    let pairs = result.comparisons.iter();
+    pairs
+        .filter(|it| it.subject == subject && [&it.left, &it.right].contains(&&"E3".to_owned()))
+        .collect()
+}
+
+/// What is known at a level only shows no more than the counts do of which it is known, and no less than that it is known.
+#[test]
+fn a_statistical_probability_keeps_its_level_up_to_the_page() {
+    let study = study();
+    toss(&study, 70);
+    let counted = run(&study);
+    std::fs::write(study.path("sampled"), "").expect("written");
+    let sampled = run(&study);
+    let Measure::Probability { answer, .. } = &coin_of(&sampled).findings[0].measure else {
+        panic!("it was sampled");
+    };
+    let Guarantee::Statistical {
+        confidence,
+        low,
+        high,
+    } = answer.guarantee
+    else {
+        panic!("{answer:?}");
+    };
+    assert_eq!(confidence, 0.95);
+    let (of_counts, of_sample) = (pairs_of_coin(&counted), pairs_of_coin(&sampled));
+    assert!(!of_counts.is_empty() && of_counts.len() == of_sample.len());
+    for (counts, sample) in of_counts.iter().zip(&of_sample) {
+        assert_ne!(sample.outcome, Outcome::NotComparable, "{}", sample.reason);
+        let is_as_strong =
+            sample.outcome == counts.outcome || sample.outcome == Outcome::Inconclusive;
+        assert!(is_as_strong, "{}: {}", sample.reason, counts.reason);
+    }
+    let interval = coin_of(&sampled).findings[0]
+        .measure
+        .interval()
+        .expect("one");
+    assert!(interval.low <= low && interval.high >= high);
+    assert!(report::html(&sampled).contains("statistical at 95"));
+    assert_eq!(verified(&study).faults, []);
 }

@@ -70,7 +70,7 @@ fn one_that_is_cancelled_leaves_the_other_running_and_goes_on_where_it_stopped()
 
     let (host, events) = host(|_| false);
     run(&cart, &host);
-    let events = events.lock().expect("nobody panicked");
+    let events = events.lock().expect("the events");
     let skipped = events.iter().find_map(|event| match event {
         Event::Skipped { steps, .. } => Some(*steps),
         _ => None,

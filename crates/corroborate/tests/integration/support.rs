@@ -119,14 +119,14 @@ pub fn host(stops: fn(&Event) -> bool) -> (Host, Arc<Mutex<Vec<Event>>>) {
         if stops(&event) {
             cancel.cancel();
         }
-        told.lock().expect("nobody panicked").push(event);
+        told.lock().expect("the events").push(event);
     });
     (host, events)
 }
 
 /// The lines that were told.
 pub fn notes(events: &Mutex<Vec<Event>>) -> Vec<String> {
-    let events = events.lock().expect("nobody panicked");
+    let events = events.lock().expect("the events");
     let notes = events.iter().filter_map(|event| match event {
         Event::Note { text } => Some(text.clone()),
         _ => None,

@@ -19,6 +19,8 @@ pub struct Case {
     pub experiments: usize,
     /// How many requirements the model carries over to.
     pub requirements: usize,
+    /// Each by agreement on a quantity of its own, counted anew; else all by the same.
+    pub own_anchors: bool,
     /// The model's rate less the system's, on the anchor and on what is asked.
     pub off: [f64; 2],
     /// Looks, with as many trials again at each.
@@ -31,23 +33,30 @@ const NEAR: f64 = 0.0999;
 
 /// Whether a study calls any requirement satisfied (or violated) by what is carried over.
 fn is_said(case: &Case, wanted: Verdict, uniform: &mut Uniform) -> bool {
-    let mut asked = vec![requirement(0, at_least(0.1))];
-    for index in 1..=case.requirements {
-        let mut one = requirement(index, at_least(SYSTEM));
+    let anchors = match case.own_anchors {
+        true => case.requirements,
+        false => 1,
+    };
+    let places = anchors + case.requirements;
+    let mut asked: Vec<_> = (0..anchors)
+        .map(|anchor| requirement(anchor, at_least(0.1)))
+        .collect();
+    for index in 0..case.requirements {
+        let mut one = requirement(anchors + index, at_least(SYSTEM));
         one.carries_over = vec![CarryOver {
             evidence: "M".into(),
             shown_by: "M".into(),
-            on: subject(0),
+            on: subject(index.min(anchors - 1)),
             because: "the same mechanism".into(),
         }];
         asked.push(one);
     }
-    let values = |place: usize| SYSTEM + case.off[usize::from(place > 0)];
-    let mut passed = vec![0; case.experiments];
-    let mut simulated = vec![0; case.requirements + 1];
+    let values = |place: usize| SYSTEM + case.off[usize::from(place >= anchors)];
+    let mut passed = vec![vec![0; anchors]; case.experiments];
+    let mut simulated = vec![0; places];
     let mut looks = Looks::default();
     for look in 1..=case.looks as u64 {
-        let model = (0..=case.requirements).map(|place| match case.runs {
+        let model = (0..places).map(|place| match case.runs {
             None => (place, exact(values(place))),
             Some(runs) => {
                 simulated[place] += uniform.count(runs, values(place));
@@ -60,18 +69,20 @@ fn is_said(case: &Case, wanted: Verdict, uniform: &mut Uniform) -> bool {
         };
         let mut ledger = vec![piece("M", technique, model.collect())];
         for (place, passed) in passed.iter_mut().enumerate() {
-            *passed += uniform.count(case.trials, SYSTEM);
-            let counted = counts(*passed, look * case.trials);
+            let counted = passed.iter_mut().enumerate().map(|(anchor, passed)| {
+                *passed += uniform.count(case.trials, SYSTEM);
+                (anchor, counts(*passed, look * case.trials))
+            });
             ledger.push(piece(
                 &format!("E{place}"),
                 Technique::Experiment,
-                vec![(0, counted)],
+                counted.collect(),
             ));
         }
         looks = looks.with(Look::of(&ledger));
         let recorded = (case.looks > 1).then_some(&looks);
         let (_, found) = concluded(&ledger, &asked, recorded);
-        if found[1..].iter().any(|it| is_of_system(it, wanted)) {
+        if found[anchors..].iter().any(|it| is_of_system(it, wanted)) {
             return true;
         }
     }
@@ -91,8 +102,12 @@ fn rows_of(case: &Case, studies: u64) -> Vec<Row> {
         Some(runs) => format!("a simulator of {runs}"),
     };
     let [there, here] = case.off;
+    let anchor = match case.own_anchors {
+        true => "an anchor each",
+        false => "anchor",
+    };
     let name = format!(
-        "{model}, anchor in {} x {} trials, {} to carry over to, {} looks; off by {there} there and {here} here",
+        "{model}, {anchor} in {} x {} trials, {} to carry over to, {} looks; off by {there} there and {here} here",
         case.experiments, case.trials, case.requirements, case.looks
     );
     let (wanted, statement) = match here > 0.0 {
@@ -124,6 +139,7 @@ pub fn rows(studies: u64) -> Vec<Row> {
                         trials,
                         experiments,
                         requirements: 1,
+                        own_anchors: false,
                         off,
                         looks: 1,
                     };
@@ -137,6 +153,7 @@ pub fn rows(studies: u64) -> Vec<Row> {
                 trials: 100,
                 experiments: 1,
                 requirements,
+                own_anchors: false,
                 off: [MARGIN, 0.19],
                 looks,
             };
@@ -147,11 +164,24 @@ pub fn rows(studies: u64) -> Vec<Row> {
             };
             add(near, studies / 4);
         }
+        for off in [[MARGIN, 0.19], [-MARGIN, -0.19]] {
+            let case = Case {
+                runs,
+                trials: 100,
+                experiments: 1,
+                requirements: 6,
+                own_anchors: true,
+                off,
+                looks: 1,
+            };
+            add(case, studies);
+        }
         let undeclared = Case {
             runs,
             trials: 200,
             experiments: 1,
             requirements: 1,
+            own_anchors: false,
             off: [0.0, 0.19],
             looks: 1,
         };

@@ -3,6 +3,7 @@
 use super::by_cluster::ByCluster;
 use super::ends::{End, Ends};
 use super::quantiles::Quantiles;
+use super::statistical::of_interval;
 use super::uncertain::Uncertain;
 use crate::{
     Completions, CredibleInterval, EndDistribution, Evidence, Finding, Guarantee, Measure,
@@ -403,6 +404,15 @@ fn computed(answer: &MethodAnswer, credible: Option<&CredibleInterval>) -> Resul
                 },
             })
         }
+        Guarantee::Statistical {
+            confidence,
+            low,
+            high,
+        } => Ok(Belief::Distribution {
+            value,
+            posterior: of_interval((*low, *high), *confidence)?,
+            quantiles: None,
+        }),
         Guarantee::Estimated { reason } => Err(format!(
             "has an answer whose error is unknown: {reason}; use a method with bounds"
         )),
@@ -411,7 +421,7 @@ fn computed(answer: &MethodAnswer, credible: Option<&CredibleInterval>) -> Resul
 
 /// Both ends of a range with their distributions; `None` where there is no range, or neither end varies.
 fn range(answer: &MethodAnswer, credible: &CredibleInterval) -> Option<Ends> {
-    let (distributions, bounds) = (credible.ends.as_ref()?, answer.bounds()?);
+    let (distributions, (bounds, _)) = (credible.ends.as_ref()?, answer.within()?);
     let end = |of: &EndDistribution, as_written: f64| {
         let shape = beta_of(of.mean, &of.quantiles);
         let drawn = |shape| End::Uncertain(Uncertain::of_draws(&of.quantiles, shape));
@@ -491,5 +501,35 @@ mod tests {
         }
         assert!(counts(3, 2, None).is_err());
         assert!(counts(0, 0, None).is_err());
+    }
+
+    fn answered(guarantee: Guarantee) -> Result<Belief, String> {
+        let answer = MethodAnswer {
+            method: "sampled".into(),
+            value: 0.5,
+            complement: None,
+            guarantee,
+            iterations: None,
+        };
+        computed(&answer, None)
+    }
+
+    #[test]
+    fn bounds_are_known_a_level_is_uncertain_and_an_estimate_says_nothing() {
+        let (low, high) = (0.4, 0.6);
+        let bounded = answered(Guarantee::Bounded { low, high });
+        assert!(matches!(bounded, Ok(Belief::Known { .. })), "{bounded:?}");
+        let statistical = answered(Guarantee::Statistical {
+            confidence: 0.95,
+            low,
+            high,
+        });
+        let Ok(Belief::Distribution { posterior, .. }) = statistical else {
+            panic!("{statistical:?}");
+        };
+        assert!(posterior.cdf(low) >= 0.0249 && posterior.sf(high) >= 0.0249);
+        let reason = "it stopped".to_owned();
+        let estimated = answered(Guarantee::Estimated { reason });
+        assert!(estimated.expect_err("unknown").contains("it stopped"));
     }
 }

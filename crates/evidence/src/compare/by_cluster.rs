@@ -16,6 +16,10 @@
 //! [`stats::with_unmet_kind`], and said beside the claim. One subject's trials speak of that subject, and where each has a
 //! single one they are independent: there nothing is said.
 //!
+//! # Assumes
+//! People are independent draws of one population, with rates of a beta distribution; trials of one are independent given
+//! the rate. A claim takes every kind of people as met, and says beside it where it rests on that.
+//!
 //! # Guarantee
 //! Never more claims than by the effective size alone. Asymptotic in the number of subjects; measured there.
 

@@ -21,6 +21,10 @@
 //! The profile of a difference: S. G. Self and K.-Y. Liang (1987), S. S. Wilks (1938). Deviation: each side's ratio of likelihoods
 //! enters as the normal deviate of its own p-value, which knows how few the subjects are.
 //!
+//! # Assumes
+//! Counts by subject as [`super::by_cluster`] has it, other counts as independent trials at their effective size; both
+//! sides are independent of each other. Ratios of likelihoods have the distributions that they have in large samples.
+//!
 //! # Guarantee
 //! Never more claims than by the effective size alone. Asymptotic in the number of subjects; `ERROR_RATES.md` has measured rates.
 

@@ -29,6 +29,10 @@
 //! step from group to group. The block's test against one odd piece is this project's: it is what a single faulty asset
 //! makes of a study.
 //!
+//! # Assumes
+//! The test of a block holds its level: pieces that are added together are independent of each other, and all pieces of a
+//! block have exactly one rate. Nothing of how the tests depend on each other. No pair was left out for its outcome.
+//!
 //! # Guarantee and cost
 //! The probability of rejecting any true "no difference" is at most `a` where the tests of blocks hold their level, as
 //! exact tests of independent counts do (however they depend on each other). In percent of seeded studies (`cargo run -p

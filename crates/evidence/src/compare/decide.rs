@@ -17,15 +17,20 @@
 //! A. O'Hagan, J. W. Stevens and M. J. Campbell, "Assurance in clinical trial design" (2005), with
 //! the decisions of this project. Conflicts are planned at the level that closed testing leaves the
 //! pair (see `further`), and by Fisher's test, which is never more powerful than Boschloo's and much
-//! quicker: a decision is a little likelier than planned. Agreement of two counts is planned by approximate tests at a
-//! lower level, too, which show it about as often as the exact one (`stats::exact_equivalence` has the table).
+//! quicker: a decision is a little likelier than planned. Agreement of two counts is planned by the comparison's own test where
+//! trials are few, and else by approximate ones at a lower level, which show it about as often
+//! (`stats::exact_equivalence` has the table).
 //!
 //! # Deviation
 //! For each outcome of one side, the undecided outcomes of the other are two runs about equality,
 //! whose ends are found by galloping. Of a side with more than [`REPRESENTATIVES`] outcomes that
 //! many equally likely ones stand for all. Sizes are searched by a normal approximation and then
-//! settled by the chance itself, to within 2 %; whole numbers make it a sawtooth, so that some
+//! settled by the chance itself, to within 2 %, of few trials by larger steps where the comparison's own test asks for more; whole numbers make it a sawtooth, so that some
 //! smaller sizes may reach it, too.
+//!
+//! # Assumes
+//! Further trials come from the rates of those so far, of which Jeffreys' posteriors are known; both sides are independent
+//! of each other. Further people are as alike as those so far. What is computed stays as it is.
 //!
 //! # Guarantee
 //! The chance is exact for up to [`REPRESENTATIVES`] trials of one side, and else within 0.01
@@ -62,6 +67,19 @@ pub(crate) struct Plan {
     pub agreement: f64,
     /// The chance that they show a conflict.
     pub conflict: f64,
+}
+
+impl Plan {
+    /// So many trials at these costs of one, with the chances of agreement and of a conflict.
+    fn of(trials: (u64, u64), costs: (f64, f64), (agreement, conflict): (f64, f64)) -> Self {
+        Self {
+            trials,
+            cost: trials.0 as f64 * costs.0 + trials.1 as f64 * costs.1,
+            chance: (agreement + conflict).min(1.0),
+            agreement,
+            conflict,
+        }
+    }
 }
 
 /// The kinds of plan, each `None` where no number of such trials has the wanted chance.
@@ -168,7 +186,32 @@ impl<'a> Planning<'a> {
                 cost *= STEP;
             }
         }
-        Some(self.halved(too_little, best?, share, costs))
+        let found = self.halved(too_little, best?, share, costs);
+        match self.pair.is_of_few() {
+            true => self.settled(found, share, costs),
+            false => Some(found),
+        }
+    }
+
+    /// A plan with the chances of the comparison's own tests; a larger one, where that takes one.
+    fn settled(&self, plan: Plan, share: f64, costs: (f64, f64)) -> Option<Plan> {
+        let mut trials = plan.trials;
+        for _ in 0..MOST_STEPS {
+            let chances = self.chances_by(trials, Pair::will_show_agreement);
+            let plan = Plan::of(trials, costs, chances);
+            if plan.chance >= self.power {
+                return Some(plan);
+            }
+            let more = self::trials(plan.cost * STEP, share, costs);
+            trials = match more == trials {
+                true => (
+                    more.0 + u64::from(share > 0.0),
+                    more.1 + u64::from(share < 1.0),
+                ),
+                false => more,
+            };
+        }
+        None
     }
 
     /// The cheapest plan found by halving between a cost that is too little and a plan.
@@ -190,14 +233,7 @@ impl<'a> Planning<'a> {
 
     fn plan(&self, cost: f64, share: f64, costs: (f64, f64)) -> Plan {
         let trials = trials(cost, share, costs);
-        let (agreement, conflict) = self.chances(trials.0, trials.1);
-        Plan {
-            trials,
-            cost: trials.0 as f64 * costs.0 + trials.1 as f64 * costs.1,
-            chance: (agreement + conflict).min(1.0),
-            agreement,
-            conflict,
-        }
+        Plan::of(trials, costs, self.chances(trials.0, trials.1))
     }
 
     /// The cost at which the approximate chance suffices.
@@ -226,6 +262,9 @@ impl<'a> Planning<'a> {
         Some(high)
     }
 }
+
+/// By how many steps a plan may grow that the comparison's own tests do not bear out.
+const MOST_STEPS: usize = 12;
 
 /// By how much a plan is changed at a time, and how often its bracket is halved.
 const STEP: f64 = 1.15;
@@ -263,8 +302,17 @@ impl Planning<'_> {
         agreement + conflict
     }
 
-    /// The chances that this many further trials of each side show agreement, and a conflict.
+    /// The chances that this many further trials of each side show agreement, and a conflict, by approximate tests.
     pub fn chances(&self, first: u64, second: u64) -> (f64, f64) {
+        self.chances_by((first, second), Pair::would_show_agreement)
+    }
+
+    /// The same by a test of agreement.
+    fn chances_by(
+        &self,
+        (first, second): (u64, u64),
+        agreement: impl Fn(&Pair, Confidence) -> bool,
+    ) -> (f64, f64) {
         let (a, b) = (
             Side::new(self.pair.first(), first),
             Side::new(self.pair.second(), second),
@@ -280,7 +328,7 @@ impl Planning<'_> {
             };
             let pair = self.pair.with(first.clone(), second.clone());
             match kind {
-                Kind::Agreement => pair.would_show_agreement(self.agreement),
+                Kind::Agreement => agreement(&pair, self.agreement),
                 Kind::Conflict => !pair.is_inside_margin() && pair.differs(self.conflict),
             }
         };
@@ -408,6 +456,28 @@ mod tests {
                 "{conflict} {expected:?}"
             );
         }
+    }
+
+    /// 39 of 41 twice is not shown to agree (p = 0.074), so that no plan may count on it.
+    #[test]
+    fn a_plan_of_few_trials_promises_what_the_comparison_keeps() {
+        let pair = Pair::new(counts(38, 40), counts(39, 41), 0.1);
+        let planning = at(&pair, 1);
+        let (agreement, _) = planning.chances_by((1, 0), Pair::will_show_agreement);
+        let kept: f64 = [(38, 0), (39, 1)]
+            .into_iter()
+            .map(|(successes, y)| {
+                let side = Side::new(pair.first(), 1);
+                let next = side.next.representatives(usize::MAX);
+                let weight: f64 = next.iter().filter(|it| it.0 == y).map(|it| it.1).sum();
+                let then = Pair::new(counts(successes, 41), counts(39, 41), 0.1);
+                weight * f64::from(u8::from(then.shows_agreement(levels().agreement)))
+            })
+            .sum();
+        assert!(
+            (agreement - kept).abs() < 1e-9,
+            "{agreement} against {kept}"
+        );
     }
 
     #[test]

@@ -9,6 +9,9 @@
 //! P(low <= L and G <= high)  >=  1 - P(L < low) - P(G > high)
 //! ```
 //!
+//! # Assumes
+//! The constants have the posteriors of the counts that they were set to. Nothing of how both ends depend on each other.
+//!
 //! # Guarantee
 //! What is said of the whole range holds with at least the posterior probability that is stated, up to the error of the
 //! draws and, where two uncertain numbers are compared, what [`super::uncertain`] states. Two sides of a comparison are taken as independent.

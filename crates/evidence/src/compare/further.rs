@@ -12,6 +12,13 @@
 //! at most `a / t`, and that of the piece against all others of the group together at most `a / (t m)`. The latter is
 //! asked of the pair: together with others that agree with one side it is rather smaller. So with two pieces the level
 //! is exact, and with more somewhat too strict: a decision is a little likelier than planned.
+//!
+//! # Assumes
+//! Further trials come from the rates of today's, as many of the runs cover the subject as did so far, and the other
+//! comparisons stay as they are.
+//!
+//! # Guarantee
+//! That of `decide` for each plan.
 
 use super::closed::MOST_PIECES;
 use super::decide::{Plan, Planning, Plans};

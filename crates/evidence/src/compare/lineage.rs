@@ -4,7 +4,8 @@
 //! The *sources* of evidence E on a subject S are the findings to which parameters of E's assets
 //! were set and that bear on S, and their sources in turn. A calibration on subject C bears on S
 //! when C is S; when S is a requirement and C a failure mode that makes runs fail it; or the other
-//! way round. Two pieces of evidence are independent on S when neither is among the other's
+//! way round; or when both are failure modes and a model shows that its constant for C moves S. Where counts of a simulation are
+//! sources, what the simulation was set to is, too, unless a model shows that it plays no part: its runs rest on each of its numbers. Two pieces of evidence are independent on S when neither is among the other's
 //! sources, they have no source in common, and no file of data either (`shared_data`), declared or not, and neither looks
 //! copied from the other (`questions`), until the ledger says that it is not.
 //!
@@ -13,6 +14,14 @@
 //! [`SHARE`] of the variance of a requirement's probability does not bear on the requirement. What
 //! neither a model nor a declaration tells counts as bearing, so that independence is never
 //! claimed without a reason.
+//!
+//! # Assumes
+//! What was set to counts is declared, and a model that shows what a constant moves shows it of the system, too. A constant
+//! below [`SHARE`] carries nothing over.
+//!
+//! # Guarantee
+//! Two pieces are called independent only where nothing that is declared, shared or questioned connects them. What no asset,
+//! lineage or table shows is taken as independent: a copy that was changed by hand is not found.
 
 use super::questions::{self, Questions};
 use super::shared_data::SharedData;
@@ -26,7 +35,7 @@ pub(crate) const SHARE: f64 = 0.005;
 /// Which failure modes make runs fail which requirement, as far as is known.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Influences {
-    known: BTreeMap<(String, String), bool>,
+    known: BTreeMap<(Subject, String), bool>,
 }
 
 impl Influences {
@@ -35,16 +44,17 @@ impl Influences {
         let mut influences = Self::default();
         for piece in evidence {
             for finding in &piece.findings {
-                let Subject::Requirement(requirement) = &finding.subject else {
-                    continue;
-                };
                 let shares = shares(&finding.measure);
                 for calibration in &piece.calibrated {
                     let Subject::FailureMode(mode) = &calibration.subject else {
                         continue;
                     };
-                    if let Some(share) = shares.get(calibration.parameter.as_str()) {
-                        influences.add(requirement, mode, *share >= SHARE);
+                    let share = shares.get(calibration.parameter.as_str());
+                    // A rate of a way to fail that others move is told apart from those that do not.
+                    let is_told =
+                        matches!(finding.subject, Subject::FailureMode(_)) && !shares.is_empty();
+                    if let Some(share) = share.copied().or_else(|| is_told.then_some(0.0)) {
+                        influences.add(finding.subject.clone(), mode, share >= SHARE);
                     }
                 }
             }
@@ -56,27 +66,57 @@ impl Influences {
     /// unlearnt.
     #[must_use]
     pub fn declare(mut self, requirement: &str, failure_mode: &str, bears: bool) -> Self {
+        let requirement = Subject::Requirement(requirement.to_owned());
         self.known
-            .insert((requirement.to_owned(), failure_mode.to_owned()), bears);
+            .insert((requirement, failure_mode.to_owned()), bears);
+        self
+    }
+
+    /// Adds what a model with held constants shows. One model in which a failure mode bears is enough: another in which the
+    /// constant moves nothing, or nothing that a range shows, takes nothing back.
+    #[must_use]
+    pub fn shown(mut self, requirement: &str, failure_mode: &str, bears: bool) -> Self {
+        self.add(
+            Subject::Requirement(requirement.to_owned()),
+            failure_mode,
+            bears,
+        );
         self
     }
 
     /// Adds what one model shows; one model in which it bears is enough.
-    fn add(&mut self, requirement: &str, mode: &str, bears: bool) {
+    fn add(&mut self, subject: Subject, mode: &str, bears: bool) {
         let known = self
             .known
-            .entry((requirement.to_owned(), mode.to_owned()))
+            .entry((subject, mode.to_owned()))
             .or_insert(bears);
         *known |= bears;
     }
 
-    /// Whether a calibration on `source` bears on `subject`; yes when nothing is known.
+    /// Whether a calibration on `source` bears on `subject`; yes when nothing is known. Two failure modes are told apart unless a
+    /// model shows that what was set to the one moves the other.
     pub(super) fn bears(&self, source: &Subject, subject: &Subject) -> bool {
+        self.bears_or(source, subject, false)
+    }
+
+    /// The same of what a simulation was set to: two failure modes bear on each other unless a model shows that they do not.
+    fn may_bear(&self, source: &Subject, subject: &Subject) -> bool {
+        self.bears_or(source, subject, true)
+    }
+
+    /// The same, with what is so of two failure modes of which nothing is known.
+    fn bears_or(&self, source: &Subject, subject: &Subject, of_modes: bool) -> bool {
+        let known = |subject: &Subject, mode: &String| {
+            let key = (subject.clone(), mode.clone());
+            self.known.get(&key).copied()
+        };
         match (source, subject) {
-            (Subject::FailureMode(mode), Subject::Requirement(requirement))
-            | (Subject::Requirement(requirement), Subject::FailureMode(mode)) => {
-                let key = (requirement.clone(), mode.clone());
-                self.known.get(&key).copied().unwrap_or(true)
+            (Subject::FailureMode(mode), requirement @ Subject::Requirement(_))
+            | (requirement @ Subject::Requirement(_), Subject::FailureMode(mode)) => {
+                known(requirement, mode).unwrap_or(true)
+            }
+            (Subject::FailureMode(mode), other @ Subject::FailureMode(_)) => {
+                source == subject || known(other, mode).unwrap_or(of_modes)
             }
             (source, subject) => source == subject,
         }
@@ -258,7 +298,16 @@ impl<'a> Lineage<'a> {
             let Some(piece) = self.evidence.get(holder.as_str()) else {
                 continue;
             };
-            for calibration in self.bearing(piece, &about) {
+            let bearing = match holder != id && piece.technique.is_of_simulator() {
+                // Its runs rest on all that it was set to, but for what a model shows to play no part.
+                true => piece
+                    .calibrated
+                    .iter()
+                    .filter(|it| self.influences.may_bear(&it.subject, &about))
+                    .collect(),
+                false => self.bearing(piece, &about),
+            };
+            for calibration in bearing {
                 let source = (calibration.from.clone(), calibration.subject.clone());
                 let taken = (holder.clone(), calibration.parameter.clone());
                 found.entry(source.clone()).or_default().insert(taken);
@@ -283,9 +332,9 @@ impl<'a> Lineage<'a> {
             let share = own
                 .as_ref()
                 .and_then(|own| own.get(calibration.parameter.as_str()));
-            match (share, subject) {
-                (Some(share), Subject::Requirement(_)) => *share >= SHARE,
-                _ => self.influences.bears(&calibration.subject, subject),
+            match share {
+                Some(share) => *share >= SHARE,
+                None => self.influences.bears(&calibration.subject, subject),
             }
         };
         piece.calibrated.iter().filter(bears).collect()
@@ -394,6 +443,35 @@ mod tests {
         assert!(lineage.is_root("A", &mode("slip")) && !lineage.is_root("C", &mode("slip")));
         // Nothing tells whether slips bear on the requirement, so they count as bearing.
         assert!(lineage.dependence("A", "B", &requirement("1")).is_some());
+    }
+
+    /// What a model's answer for one failure mode owes to counts of another it owes to what these counts rest on, too.
+    #[test]
+    fn failure_modes_that_share_constants_share_sources() {
+        let mut influences = Influences::default();
+        influences.add(mode("late"), "grab", true);
+        influences.add(mode("lost"), "grab", false);
+        let ledger = [
+            piece("R", &[]),
+            piece("L", &[("R", mode("late"))]),
+            piece("T", &[("L", mode("late"))]),
+            piece("M", &[("T", mode("grab"))]),
+        ];
+        let lineage = Lineage::new(&ledger, &influences);
+        assert!(lineage.dependence("T", "M", &mode("late")).is_some());
+        assert!(lineage.dependence("R", "M", &mode("late")).is_some());
+        assert!(lineage.dependence("R", "M", &mode("lost")).is_none());
+    }
+
+    #[test]
+    fn one_model_in_which_it_bears_is_enough() {
+        let slip = || mode("slip");
+        let speed = || requirement("speed");
+        let none = Influences::default().shown("speed", "slip", false);
+        assert!(!none.bears(&slip(), &speed()));
+        assert!(none.shown("speed", "slip", true).bears(&slip(), &speed()));
+        let some = Influences::default().shown("speed", "slip", true);
+        assert!(some.shown("speed", "slip", false).bears(&slip(), &speed()));
     }
 
     /// The same table under two names, and nothing declared.

@@ -1,4 +1,9 @@
 //! The statistics of one pair of rates.
+//!
+//! # Assumes
+//! Both sides are independent of each other. Counts are of independent trials, or of people as [`super::by_cluster`] has
+//! it, of a size fixed in advance (else [`super::past`]); where runs have no verdict, each may be either, and the greatest
+//! p-value counts. A distribution is the posterior of constants by Jeffreys' prior.
 
 use super::Belief;
 use super::by_likelihood::{self, Claim};
@@ -16,6 +21,12 @@ use std::rc::Rc;
 
 /// The part of the level at which plans test equivalence of counts.
 const PLANNED: f64 = 0.9;
+
+/// The factor by which the approximate p-value of equivalence may miss the exact one, of few trials.
+const NEAR: f64 = 8.0;
+
+/// So many trials of the smaller side are few.
+const FEW: u64 = 200;
 
 /// Two rates that are to be compared at a margin.
 pub(super) struct Pair {
@@ -543,6 +554,33 @@ impl Pair {
             None => once <= level.alpha(),
         };
         self.is_inside_margin() && shown
+    }
+
+    /// Whether both sides are counts and one has so few trials that the approximate tests of plans may miss the exact one.
+    pub fn is_of_few(&self) -> bool {
+        let trials = [&self.first, &self.second].map(|belief| match belief {
+            Belief::Counts { sample, .. } => Some(sample.trials),
+            _ => None,
+        });
+        matches!(trials, [Some(one), Some(other)] if one.min(other) <= FEW)
+    }
+
+    /// The same by the comparison's own test where that may say otherwise: of few trials, and within [`NEAR`] of the level.
+    pub fn will_show_agreement(&self, level: Confidence) -> bool {
+        if !self.is_of_few() || !self.is_inside_margin() {
+            return self.would_show_agreement(level);
+        }
+        let near =
+            |alpha: f64| Confidence::new(1.0 - alpha).map(|it| self.would_show_agreement(it));
+        let (strict, loose) = (
+            near(level.alpha() / NEAR),
+            near((level.alpha() * NEAR).min(0.5)),
+        );
+        match (strict, loose) {
+            (Ok(true), _) => true,
+            (_, Ok(false)) => false,
+            _ => self.shows_agreement(level),
+        }
     }
 
     /// Whether equivalence is shown, of the p-value where there is one and by the posterior probability otherwise.

@@ -9,6 +9,11 @@
 //! independent counts with a known rate is asked of the counts against the two ends of the margin, exactly
 //! (`stats::continued_above` and `continued_below`), and of all counts by subject ([`super::by_likelihood`]).
 //!
+//! # Assumes
+//! Looks are recorded with the counts of both sides, none left out for what it showed. What is computed was the same at all
+//! looks, and design effects were those of today. Scores have independent normal increments; where independent counts are
+//! held against a known rate, it is enough that trials are independent.
+//!
 //! # Guarantee
 //! At the first look the level is kept exactly as the tests keep it, and equivalence with a known rate at every look.
 //! All else holds as far as scores have independent normal increments; `ERROR_RATES.md` has the measured rates.

@@ -8,6 +8,9 @@
 //! Plans are chosen by descent: each pair starts with its cheapest, then pair by pair the plan is
 //! taken with which the whole is cheapest, until nothing changes.
 //!
+//! # Assumes
+//! A run serves every pair of its piece, and gives as many trials of a subject as the runs so far did.
+//!
 //! # Guarantee
 //! Every pair has at least the trials of one of its plans. The set is cheapest among those that
 //! differ in one pair's plan, which need not be the cheapest of all; with one undecided pair it is.

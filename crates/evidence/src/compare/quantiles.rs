@@ -9,6 +9,9 @@
 //! The beta distribution alone has another skew than, say, a probability that cannot exceed 0.98: of a model whose constant is
 //! set to 94 of 120, and whose draws are below 0.95 with probability 0.010, it said 0.003.
 //!
+//! # Assumes
+//! The draws are of the distribution. That it has the beta distribution's shape between quantiles is not tested.
+//!
 //! # Guarantee
 //! Exact at the quantiles, up to the error of the draws, and everywhere if it is that beta distribution; monotone.
 

@@ -5,6 +5,9 @@
 //! between two pieces makes them dependent on the subjects that it names and on those on which these bear
 //! ([`super::Influences`]); on all if it names none. Pieces that rest on such a pair are dependent, too.
 //!
+//! # Assumes
+//! Nothing of the data. What the ledger settles is taken for true.
+//!
 //! # Guarantee
 //! How probable a coincidence has to be so that it is no question is decided where it is found; here nothing is tested.
 

@@ -26,6 +26,13 @@
 //! indeterminacy; D. Lakens, "Equivalence tests: a practical primer", Social Psychological and Personality Science 8
 //! (2017). Deviation: where equivalence is not shown, the estimate's side of the margin is part of the relation, because
 //! a difference that is estimated to be tolerable must not fail a build.
+//!
+//! # Assumes
+//! Both sides are independent of each other, of independent trials or of clusters that are declared, at sizes fixed in
+//! advance or with all looks recorded.
+//!
+//! # Guarantee
+//! The last column of the table.
 
 use crate::Outcome;
 use schemars::JsonSchema;

@@ -14,6 +14,10 @@
 //! set up are often arranged so that the trigger comes, and what others counted in tables may be only such runs. Elsewhere the
 //! reason is said in place of the comparison.
 //!
+//! # Assumes
+//! Runs of a model, of a simulator's own campaign and of operation come as the conditions have them. Their number was fixed
+//! in advance: the test of shares does not know of looks.
+//!
 //! # Guarantee
 //! That of the tests of a pair ([`super::pair`]), for each trigger on its own.
 
@@ -88,6 +92,32 @@ pub(super) fn other_runs(
     ))
 }
 
+/// That a number over all runs is held against a rate over runs that a table calls covered, where the table has no other row that
+/// says how many runs there were: whether these are all runs is not known.
+pub(super) fn total_unknown(
+    (left, first): (&Evidence, &Finding),
+    (right, second): (&Evidence, &Finding),
+) -> Option<String> {
+    let (all, table, covered) = match (&first.denominator, &second.denominator) {
+        (Denominator::NoTrigger, Denominator::Covered) => (left, right, second),
+        (Denominator::Covered, Denominator::NoTrigger) => (right, left, first),
+        _ => return None,
+    };
+    let is_row = |it: &&Finding| matches!(it.measure, Measure::Counts { .. });
+    let rows = table.findings.iter().filter(is_row).count();
+    let key = match covered.subject {
+        Subject::Requirement(_) => "trigger",
+        Subject::FailureMode(_) => "opportunity",
+    };
+    (rows == 1).then(|| {
+        format!(
+            "{} is over all runs, and nothing says that the runs which {} counts as covered are all of them: if some runs do not come \
+             to it, name what triggers it (`{key}` in requirements.toml)",
+            all.id, table.id
+        )
+    })
+}
+
 fn over(evidence: &Evidence, finding: &Finding) -> String {
     let id = &evidence.id;
     match &finding.denominator {
@@ -113,7 +143,7 @@ fn over(evidence: &Evidence, finding: &Finding) -> String {
 fn remedy(subject: &Subject, of_all: Technique) -> &'static str {
     match (of_all.traits().asked_by, subject) {
         (AskedBy::Event, _) => {
-            " If the tree speaks of the runs that trigger it, say so: `triggered = true` in its entry of ledger.toml."
+            " If the tree's probability is over the runs that trigger it, say so: `triggered = true` in its entry of ledger.toml."
         }
         (AskedBy::Property | AskedBy::Monitor, Subject::Requirement(_)) => {
             " Say which runs of the model trigger it: `trigger = 'P=? [ F \"...\" ]'` in requirements.toml."

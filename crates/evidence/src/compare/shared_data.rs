@@ -1,11 +1,16 @@
 //! Data that two pieces of evidence share though no lineage says so.
 //!
 //! # Definition
-//! Two pieces share data if both rest on a table or recording of the same content (the same hash), under whatever name, or
+//! Two pieces share data if both rest on a table or recording of the same content (the same hash), under whatever name (whether
+//! tables of totals under two names are one is a question, [`crate::CopyKind::File`]), or
 //! if a table of the one repeats rows of a table of the other beyond chance ([`crate::Evidence::shared_rows`]), or most of
 //! their models was written once ([`crate::Evidence::common_texts`]), or if both have the same runs of one simulator
 //! ([`crate::Evidence::shared_seeds`]).
 //! Then some trials are the trials of both, so that they agree whatever the truth is.
+//!
+//! # Assumes
+//! Files of equal content are one file, but tables of totals, which may be equal by chance. Rows of different trials repeat
+//! each other no oftener than `stats::shared_rows` says.
 //!
 //! # Guarantee
 //! Rows are compared of tables of people or sessions (`stats::shared_rows` has the chance); totals of which the tables do
@@ -45,6 +50,9 @@ impl SharedData {
                 holders.iter().map(|(id, path)| (*id, *path)).collect();
             for (place, (first, path)) in holders.iter().enumerate() {
                 for (second, other) in &holders[place + 1..] {
+                    if path != other && may_equal(evidence, [first, second]) {
+                        continue;
+                    }
                     let files = shared.entry((first, second)).or_default();
                     files.insert((path, other));
                 }
@@ -100,6 +108,12 @@ impl SharedData {
     pub fn between(&self, first: &str, second: &str) -> Option<&str> {
         self.data.get(&ordered(first, second)).map(String::as_str)
     }
+}
+
+fn may_equal(evidence: &[Evidence], ids: [&str; 2]) -> bool {
+    let [one, other] = ids.map(|id| evidence.iter().find(|it| it.id == id));
+    one.zip(other)
+        .is_some_and(|(one, other)| one.may_equal_by_chance(other))
 }
 
 fn ordered(first: &str, second: &str) -> (String, String) {

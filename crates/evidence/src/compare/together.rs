@@ -19,6 +19,9 @@
 //! (1982), for the intersection. Distributions of computed probabilities enter at the counts of
 //! their beta distribution; probabilities that are known exactly only in pairs.
 //!
+//! # Assumes
+//! As for pairs. Q takes the pieces as independent of each other and their log-odds as normal.
+//!
 //! # Guarantee
 //! As for pairs: a conflict of equal rates anywhere in the study has probability at most `1 - c`, and agreement is
 //! claimed falsely with probability at most `1 - g`. The level of Q is asymptotic.

@@ -11,6 +11,9 @@
 //! by midpoints: eight in each piece between two quantiles, and in the tails beyond them pieces that halve towards the end, so
 //! that a small probability has places of its own.
 //!
+//! # Assumes
+//! Two numbers that are compared are independent of each other, and the draws are of their distributions.
+//!
 //! # Guarantee
 //! `F_Y` rises, so the sum is off by no more than half of what the heaviest place weighs: 0.0007 of 100 quantiles, and less in
 //! the tails. Of two beta distributions it is integrated ([`probability_exceeds`]).

@@ -6,6 +6,9 @@
 //! out are requirements without a threshold, of which trials alone never show the certainty that they ask for, and those
 //! that the technique cannot express.
 //!
+//! # Assumes
+//! As in [`super`], for one piece. Its size was fixed in advance: looks before are not allowed for.
+//!
 //! # Guarantee
 //! Each verdict *satisfied* or *violated* is wrong with probability at most `1 - level`; they are not corrected for being
 //! several.

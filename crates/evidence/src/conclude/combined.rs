@@ -25,9 +25,15 @@
 //! # Source
 //! See `stats::combination`; the level of 0.1 for Q is customary, its power being low.
 //!
+//! # Assumes
+//! Pieces that are pooled are independent of each other, and measure one rate or rates that scatter as the random effects
+//! have it. Weights were declared without looking at the counts. Not allowed for are looks before, that Q chooses between
+//! the two on the same counts, and that pieces which conflict are not pooled.
+//!
 //! # Guarantee
-//! Where the true rates are one, the interval covers it at the study's level on average. It says
-//! nothing of dependence that is not declared.
+//! Where the true rates are one, the power prior's interval covers it at the study's level on average over its prior, as far
+//! as what is not allowed for plays no part; with weights below 1 it covers oftener. It says nothing of dependence that is not
+//! declared.
 
 use super::common::{common_bound, common_statement, over_the_same_runs};
 use super::{
@@ -309,7 +315,7 @@ fn chosen<'a>(
                 "is of one person or session alone"
             }
             Some(_) if are_several && piece.belief.has_undecided() => {
-                "has runs that count both ways (without a verdict, or told twice)"
+                "has runs that count both ways (without a verdict, or reported twice)"
             }
             Some(_) if !same_runs.contains(&id.as_str()) => "is over other runs",
             Some(_) if !free.contains(&index) => "rests on the counts of a piece that is combined",

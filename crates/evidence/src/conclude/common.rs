@@ -33,6 +33,13 @@
 //! | 0.85, 0.95, 0.95 | all | 100.0 (0.648) | 100.0 (0.593) |
 //! | 0.9, 0.9, 0.9, 0.9 | all | 100.0 (0.636) | 100.0 (0.566) |
 //! | 0.85, 0.95, 0.95, 0.95 | all | 100.0 (0.649) | 100.0 (0.579) |
+//!
+//! # Assumes
+//! The limit of each piece holds by itself. Nothing of how many pieces there are or how they depend on each other.
+//!
+//! # Guarantee
+//! The bound holds with confidence `1 - alpha` where the limit of each piece does, by the argument above; the table shows what is
+//! left of it with clustered counts.
 
 use super::limits::limits;
 use super::stand::ClaimLevels;

@@ -6,6 +6,9 @@
 //! same level as all independent pieces together, shows that the requirement does not hold: a requirement is asked under
 //! every condition that the study declares. It never shows that a requirement holds, and no rates are compared with it.
 //!
+//! # Assumes
+//! As in [`super`], under each of the conditions. Nothing of how pieces under several conditions depend on each other.
+//!
 //! # Guarantee
 //! With the pieces elsewhere counted among those that the level is divided by, a requirement that holds under all conditions
 //! is called violated with probability at most `alpha`, as in [`super`].

@@ -6,6 +6,12 @@
 //! is judged, and does not count there. Runs of a piece that reached no verdict are listed by
 //! piece, with what they count for. For trials of the system that the study marks as intermediate, the verdict with them is found: they are not
 //! refined by what comes later, so leaving them out has to be seen.
+//!
+//! # Assumes
+//! Nothing of the data.
+//!
+//! # Guarantee
+//! Each piece with a finding on the requirement is in the conclusion or in the list, never in neither.
 
 use super::judge::{Asked, Level};
 use super::ladder::{self, Decided};

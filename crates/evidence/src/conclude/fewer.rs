@@ -7,6 +7,12 @@
 //! other would be better is said, so that nobody takes the subject's trials for worthless or leaves them out.
 //!
 //! Asked is of the one with the most trials, at one look, at the level of the claim; one test at the limit that there is.
+//!
+//! # Assumes
+//! As the limit that it looks at: subjects are independent, with rates of a beta distribution, at one look.
+//!
+//! # Guarantee
+//! The verdict does not depend on it: no limit is exchanged for the better one.
 
 use super::limits::of_tests;
 use super::stand::{ClaimLevels, at_one_look};

@@ -23,6 +23,14 @@
 //!
 //! Then what denies the requirement under other conditions is added: a requirement is asked under each of them. A model
 //! that denies it there gives way to trials of the system under the same conditions that support it.
+//!
+//! # Assumes
+//! The standings are those of tests that hold their levels, and all trials of the system under the same conditions speak of
+//! one rate.
+//!
+//! # Guarantee
+//! A verdict of the system rests on trials of the system alone, at their error rates; no number of models changes it. A verdict on a
+//! lower step has no error rate of the system, and says so.
 
 use crate::{PieceStanding, Standing, Step, Verdict};
 

@@ -12,6 +12,10 @@
 //! S. Holm, "A simple sequentially rejective multiple test procedure" (1979); for nested hypotheses, R. Marcus,
 //! E. Peritz and K. R. Gabriel, "On closed testing procedures" (1976).
 //!
+//! # Assumes
+//! Each p-value is at most `a` with a probability of at most `a` where its hypothesis is true. Nothing of how tests depend
+//! on each other. All thresholds of a unit are of one quantity, and no requirement was left out for its outcome.
+//!
 //! # Guarantee
 //! The probability that any test of a claim is wrong is at most `alpha`, whatever the dependence of the tests. Before
 //! the first wrong one, each unit with a true hypothesis still has a test open, so the divisor is at least their

@@ -6,6 +6,10 @@
 //! of Clopper and Pearson; for correlated ones those of the test of correlated trials; for a distribution its quantiles;
 //! of a known value its bounds. Found by halving, so that limit and test are one statement.
 //!
+//! # Assumes
+//! Those of the test. Between 0 and the estimate, and between it and 1, the test shows a threshold if it shows one nearer
+//! to the estimate.
+//!
 //! # Guarantee
 //! A threshold is shown to be met or missed exactly where it lies beyond the limit (to 1e-12).
 

@@ -1,4 +1,8 @@
 //! How one piece of evidence stands to a threshold.
+//!
+//! # Assumes
+//! Counts are of independent trials, or of people as `compare/by_cluster.rs` has it, of a size fixed in advance where there
+//! are no looks. Distributions are posteriors of constants by Jeffreys' prior, and bounds of computed values hold.
 
 use super::fewer::better_without_one;
 use super::{CERTAINTY, limits, words};

@@ -259,7 +259,11 @@ impl Statement<'_> {
                 false => 1.0,
             };
         let trials = (level.ln() / share.ln()).ceil().max(1.0);
-        format!("No trials of the system cover it; {trials:.0} without a violation would show it.")
+        let counting = match self.excluded.iter().any(|it| it.verdict_with_it.is_some()) {
+            true => "No trials of the system that count",
+            false => "No trials of the system",
+        };
+        format!("{counting} cover it; {trials:.0} without a violation would show it.")
     }
 
     /// Trials that the study leaves out although they would change the verdict.

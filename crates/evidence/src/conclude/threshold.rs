@@ -16,6 +16,10 @@
 //! # Source
 //! A. O'Hagan, J. W. Stevens and M. J. Campbell, "Assurance in clinical trial design" (2005).
 //!
+//! # Assumes
+//! Further trials come from the rate of those so far, whose posterior is Jeffreys' at the effective size, and further
+//! people are as alike. The levels stay those of today.
+//!
 //! # Guarantee
 //! The chance is that of `stats::Predictive` (exact up to 65536 trials). Whole numbers make it a
 //! sawtooth, so that some smaller `n` may reach it, too. Clustered trials count at their design
@@ -119,10 +123,19 @@ fn why_not_planned(
         piece.counted.is_some() && Step::of(piece.evidence.technique) >= requirement.needs
     });
     match counted.next() {
-        None => format!(
-            "No trials on the step \"{}\" that it needs cover it, so there is nothing to plan from.",
-            requirement.needs.name()
-        ),
+        None => match requirement.needs {
+            Step::Model => {
+                "It needs a verdict for the model, which no further trials decide.".to_owned()
+            }
+            Step::Simulation => {
+                "It needs a verdict in simulation, and no simulated runs that count cover it."
+                    .to_owned()
+            }
+            Step::Corroborated | Step::System => {
+                "No trials of the system that count cover it, so there is no rate yet to plan with."
+                    .to_owned()
+            }
+        },
         Some(piece) if piece.evidence.is_of_one_subject() => format!(
             "All trials of {} are of one person or session; more of the same one decide nothing of others.",
             piece.evidence.id

@@ -26,6 +26,10 @@
 //! R. L. Berger, "Multiparameter hypothesis testing and acceptance sampling" (1982), for the larger of two p-values
 //! (intersection-union test): one of the two hypotheses is true where the claim is false and the declaration holds.
 //!
+//! # Assumes
+//! The declaration, which nothing tests: a false one makes wrong verdicts frequent (`ERROR_RATES.md` has a row). The tests
+//! of the anchor and of the model hold their levels; nothing of how they depend on each other.
+//!
 //! # Guarantee
 //! Given the declaration, a claim shown at a level is wrong with at most that probability, with no division between the
 //! two tests.

@@ -76,10 +76,16 @@ pub(super) fn piece(
             bounds,
             is_range: true,
             ..
-        } => format!(
-            "{id}: computed {} over all schedulers{given}",
-            span(*bounds)
-        ),
+        } => {
+            let spans = match bounds.low < threshold.value && threshold.value < bounds.high {
+                true => ": some meet it and others do not",
+                false => "",
+            };
+            format!(
+                "{id}: computed {} over all schedulers{given}{spans}",
+                span(*bounds)
+            )
+        }
         Belief::Known { value, bounds, .. } if bounds.high - bounds.low >= SHOWN => format!(
             "{id}: computed {}{given} (between {} and {})",
             percent(*value),

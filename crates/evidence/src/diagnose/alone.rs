@@ -6,12 +6,16 @@
 //! speaks against the model with `q T` and, if it is one piece, against that piece with `(1 - q) T`, `q` the probability
 //! that the model is the odd one out ([`super::blame`]). Where several show it, they are not all wrong; `T` is then of the counts of
 //! all of them that do not differ from the strongest.
+//!
+//! # Assumes
+//! As [`super::blame`] and [`mod@super::strength`]: trials are independent, and pieces that share no assumption are wrong
+//! independently of each other.
 
 use super::matter::{Clue, Matter, name_of, rate_in_words};
 use super::rates::{NAMED, counts_of, figure, rate_or_never, solver};
 use super::strength::{Rate, STRONG, strength};
 use super::suspect::Symptom;
-use crate::{Evidence, Guarantee, Inaccuracy, Measure, MethodAnswer, Subject};
+use crate::{Evidence, Inaccuracy, Measure, MethodAnswer, Subject};
 
 impl Matter<'_> {
     /// Clues against models that exclude a failure mode that others show.
@@ -163,7 +167,7 @@ impl Matter<'_> {
                     continue;
                 };
                 // Of two answers, the one with bounds judges the other, whichever of them counts.
-                let holds = |a: &MethodAnswer| !matches!(a.guarantee, Guarantee::Estimated { .. });
+                let holds = |a: &MethodAnswer| a.guarantee.is_certain();
                 let is_sound = holds(answer);
                 for other in others {
                     let (answer, other) = match (holds(answer), holds(other)) {

@@ -17,11 +17,21 @@
 //! read so, or one that comes out alike in all its runs, and all of them are in `W`, what they are read through may be wrong in
 //! their place: one error with one rate, which has the prior [`READING`]. What such sets weigh is the part of the blame that the reading has.
 //!
+//! Where a model computes that a requirement always holds, the sets are weighed by the rates of its violations, which the model
+//! excludes ([`Rate::Never`]): what was seen a few times cannot be impossible, although it lies within the margin of a certainty.
+//!
+//! # Assumes
+//! Pieces that share no assumption ([`mod@super::voices`]) are wrong independently of each other. A wrong count has any
+//! rate, by Jeffreys' prior; the right pieces have one rate, to within the margin where it is computed. How often models,
+//! data and what runs are read through are wrong is a guess, which no count tells. Trials are independent, or count at
+//! their effective size.
+//!
 //! # Source and guarantee
 //! Bayes' theorem over all sets (H. Jeffreys, "Theory of Probability", 1961, section 5.04, for the prior of each further
-//! hypothesis). Two against two that agree with each other have one half each; one against two that agree beyond what chance
-//! brings about is the odd one out. The blame of two pieces adds up to 1, and of one piece against several it never
-//! contradicts itself: all are of one distribution over sets.
+//! hypothesis). Two against two of one kind and size that agree with each other have one half each (of models against data
+//! of the real system the models have more); one against two that agree beyond what chance brings about is the odd one out.
+//! The blame of two pieces adds up to 1, and of one piece against several it never contradicts itself: all are of one
+//! distribution over sets.
 //!
 //! # Cost
 //! `2^n` sets of at most [`MOST`] pieces; of more, the two and those that differ most from them.
@@ -30,7 +40,7 @@ use super::matter::Matter;
 use super::rates::rate_or_never;
 use super::strength::{Rate, ln_together, strength};
 use super::voices::share_assumption;
-use crate::{AskedBy, Evidence, Subject};
+use crate::{AskedBy, Evidence, Measure, Subject};
 
 /// How likely a group is to be wrong against that it is right, as a natural logarithm.
 const WRONG: f64 = -std::f64::consts::LN_10;
@@ -158,6 +168,18 @@ impl Matter<'_> {
             .speaking()
             .filter(|e| e.conditions == two[0].conditions);
         let mut pieces: Vec<Piece<'_>> = all.filter_map(of).collect();
+        // A model for which a violation is impossible is wrong if one was seen, however few there are.
+        let is_certain = |it: &Piece<'_>| {
+            it.rate == Rate::Computed(1.0)
+                && it.evidence.finding(subject).is_some_and(|finding| {
+                    matches!(&finding.measure, Measure::Probability { answer, .. } if !answer.guarantee.is_estimated())
+                })
+        };
+        if matches!(subject, Subject::Requirement(_)) && pieces.iter().any(is_certain) {
+            for piece in &mut pieces {
+                piece.rate = piece.rate.of_contrary();
+            }
+        }
         let is_of_two = |it: &Piece<'_>| two.iter().any(|own| own.id == it.evidence.id);
         if pieces.len() > MOST {
             let own: Vec<Rate> = pieces

@@ -3,7 +3,15 @@
 //! # Definition
 //! A property holds of a trace on which what it speaks of does not come up, as the model checker counts it; a monitor
 //! decides nothing there. Of a requirement a cell counts the traces that keep it, of a failure mode its occurrences. The
-//! interval is Wilson's.
+//! interval is Wilson's; traces without a verdict may each count or not, so that it reaches from the lower end with none of them
+//! to the upper end with all.
+//!
+//! # Assumes
+//! Traces are independent, and their number was fixed in advance. Those without a verdict may be either.
+//!
+//! # Guarantee
+//! The interval is Wilson's approximation for independent traces: it holds its level on average over rates, and may fall short of it by a
+//! few points at single ones. Nothing is decided by it.
 
 use super::suspect::{Cell, JudgedBy, Traces};
 use crate::{Interval, Subject};
@@ -112,18 +120,19 @@ impl CellPlace<'_> {
         verdicts: VerdictCounts,
         level: Confidence,
     ) -> Cell {
-        let sample = Sample::new(count, trials).ok();
-        let wilson = sample
-            .filter(|s| s.trials > 0)
-            .map(|s| stats::wilson(s, level));
+        let all = trials + verdicts.undecided;
+        let ends = [count, count + verdicts.undecided].map(|count| {
+            let sample = Sample::new(count, all).ok().filter(|_| trials > 0);
+            sample.map(|it| stats::wilson(it, level))
+        });
         Cell {
             count,
             trials,
             runs: verdicts.runs(),
             undecided: verdicts.undecided,
-            interval: wilson.map(|wilson| Interval {
-                low: wilson.low,
-                high: wilson.high,
+            interval: ends[0].zip(ends[1]).map(|(least, most)| Interval {
+                low: least.low,
+                high: most.high,
             }),
             not_judged: None,
             ..self.empty(String::new())

@@ -12,6 +12,10 @@
 //!
 //! The exchange takes `T - T'` of a conflict, `T'` being what is left with the other column.
 //!
+//! # Assumes
+//! All other evidence is right. How much rarer rows are exchanged than wrong for another reason is a guess (`RARE`). Trials
+//! are independent, or count at their effective size.
+//!
 //! # Source and guarantee
 //! One exchange in place of wrong rates, as in [`super::names`]: each of the rates has to fit from the other side,
 //! which wrong rates do beyond chance only where they are complements. A single row against one other piece may be that: a model

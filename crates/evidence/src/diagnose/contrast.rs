@@ -1,7 +1,13 @@
 //! Pairs of cells that differ in one asset, tested.
 //!
 //! On the same traces only those with two verdicts speak: McNemar's exact test, a sign test of which way
-//! they go (Q. McNemar, 1947). On different traces: Fisher's exact test.
+//! they go (Q. McNemar, 1947). On different traces: Fisher's exact test. Traces without a verdict may each be kept or not: the
+//! test and the strength are those of the completions that come nearest to each other, so that nothing is shown that these
+//! traces alone could explain (as [`mod@super::strength`] has it).
+//!
+//! # Assumes
+//! Traces are independent of each other; on different traces both cells are, too. The strength takes them so on the same
+//! traces as well, where McNemar's test alone knows of pairs.
 
 use super::strength::{Rate, strength};
 use super::suspect::{Cell, Contrast, JudgedBy};
@@ -65,12 +71,27 @@ fn on_same_traces(one: &Cell, other: &Cell, same: &SameTraces) -> Contrast {
 }
 
 fn on_others(one: &Cell, other: &Cell, margin: f64) -> Contrast {
-    let samples = [one, other].map(|c| stats::Sample::new(c.count, c.trials));
-    let p_value = match samples {
-        [Ok(a), Ok(b)] => stats::fisher_exact(a, b),
-        _ => 1.0,
+    let p_value = match nearest(one, other) {
+        Some([a, b]) => stats::fisher_exact(a, b),
+        None => 1.0,
     };
     contrast(one, other, Inaccuracy::SystemModel, (p_value, None, margin))
+}
+
+/// The completions of two cells whose shares come nearest to each other; nothing if they can be the same.
+fn nearest(one: &Cell, other: &Cell) -> Option<[stats::Sample; 2]> {
+    let ([_, one_high], [_, other_high]) = (one.shares(), other.shares());
+    let (lower, higher) = match one_high < other_high {
+        true => (one, other),
+        false => (other, one),
+    };
+    let ([_, low], [high, _]) = (lower.shares(), higher.shares());
+    let all = |cell: &Cell, count| stats::Sample::new(count, cell.trials + cell.undecided).ok();
+    let apart = [
+        all(lower, lower.count + lower.undecided)?,
+        all(higher, higher.count)?,
+    ];
+    (low < high).then_some(apart)
 }
 
 fn contrast(
@@ -79,7 +100,11 @@ fn contrast(
     changed: Inaccuracy,
     (p_value, differing, margin): (f64, Option<u64>, f64),
 ) -> Contrast {
-    let rate = |cell: &Cell| Rate::counted(cell.count, cell.trials);
+    let rate = |cell: &Cell| Rate::Counted {
+        count: cell.count as f64,
+        open: cell.undecided as f64,
+        trials: (cell.trials + cell.undecided) as f64,
+    };
     Contrast {
         cells: format!("{}-{}", one.cell, other.cell),
         changed,

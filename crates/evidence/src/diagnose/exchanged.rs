@@ -1,8 +1,12 @@
 //! A piece of evidence with what its tables have the wrong way round exchanged.
 //!
 //! # Definition
-//! What [`super::names`] or [`super::columns`] find is put right in all findings that it touches: the counts of two failure
+//! Whole columns ([`super::columns`]) come first, then two names ([`super::names`]), then columns in single rows: two names explain two
+//! rates, a row one. What is found is put right in all findings that it touches: the counts of two failure
 //! modes or requirements, or kept and violated of all requirements. Intervals are left as they are: they are of other counts.
+//!
+//! # Assumes
+//! What was found to be exchanged is what was exchanged.
 //!
 //! # Guarantee
 //! Rates ([`super::strength::Rate`]) are those that the exchanged table would give.
@@ -16,6 +20,30 @@ pub(super) fn is_table(piece: &Evidence) -> bool {
     piece.technique.traits().is_counted_by_people || piece.published
 }
 
+/// What of a piece's tables was exchanged.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Exchanged<'p> {
+    /// The columns "passed" and "failed", in all rows or in some.
+    Columns(ExchangedColumns),
+    /// Two names.
+    Names(MixedUp<'p>),
+}
+
+/// What of a piece's tables was exchanged, as far as the other evidence says.
+#[must_use]
+pub fn exchanged<'p>(
+    evidence: &[Evidence],
+    piece: &'p Evidence,
+    margin: &dyn Fn(&Subject) -> f64,
+) -> Option<Exchanged<'p>> {
+    let columns = exchanged_columns(evidence, piece, margin);
+    let names = || mixed_up(evidence, piece, margin).map(Exchanged::Names);
+    match columns {
+        Some(all) if all.are_all => Some(Exchanged::Columns(all)),
+        rows => names().or(rows.map(Exchanged::Columns)),
+    }
+}
+
 /// The piece as its tables would give it if they were put right, if the other evidence says that they are not; with the odds
 /// against another reason, in decades, where little says so ([`ExchangedColumns::odds`]).
 pub fn put_right(
@@ -26,10 +54,10 @@ pub fn put_right(
     if !is_table(piece) {
         return None;
     }
-    if let Some(found) = exchanged_columns(evidence, piece, margin) {
-        return Some((with_columns(piece, &found), found.odds));
-    }
-    mixed_up(evidence, piece, margin).map(|found| (with_names(piece, &found), None))
+    Some(match exchanged(evidence, piece, margin)? {
+        Exchanged::Columns(found) => (with_columns(piece, &found), found.odds),
+        Exchanged::Names(found) => (with_names(piece, &found), None),
+    })
 }
 
 fn with_columns(piece: &Evidence, found: &ExchangedColumns) -> Evidence {

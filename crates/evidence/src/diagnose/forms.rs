@@ -10,6 +10,12 @@
 //!
 //! Runs on which neither is violated are not among the differences, so that runs covered by one of the two only and
 //! kept are missed: the counts are then off by as many.
+//!
+//! # Assumes
+//! The sentence is what is meant. Runs are independent.
+//!
+//! # Guarantee
+//! What is named differs on runs that are given. The counts under the sentence are off by the runs that only one of the two covers.
 
 use super::matter::{Clue, Matter, name_of, requirement_form};
 use super::strength::{Rate, strength};

@@ -4,6 +4,12 @@
 //! A formal model and runs agree by property and monitor, but not by the property on both: what the
 //! requirement models do hides what the system models do. It speaks against the formal model with the
 //! strength `c(A, B)` (or `c(A, C)`), at most [`UNHARMFUL`], since no conflict hangs on it.
+//!
+//! # Assumes
+//! Paths and runs are independent, and the property judges both alike.
+//!
+//! # Guarantee
+//! None that it is the model: the requirement models may be what is wrong. What is named differs on paths and runs judged alike.
 
 use super::matter::{Clue, Matter, name_of, system_model};
 use super::strength::{Rate, STRONG, strength};

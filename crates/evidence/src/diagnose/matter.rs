@@ -80,7 +80,7 @@ pub struct Clue {
     pub witnesses: Vec<Witness>,
     /// What was found not to be the reason.
     pub ruled_out: Vec<String>,
-    /// The later evidence in which it is mended.
+    /// The later evidence in which it is fixed.
     pub resolved_by: Option<String>,
 }
 
@@ -134,17 +134,7 @@ fn judged_otherwise(rate: Rate, own: Option<&Cell>, other: &Cell, margin: f64) -
 impl<'a> Matter<'a> {
     /// The declared margin of a subject.
     pub fn margin(&self, subject: &Subject) -> f64 {
-        let margin = match subject {
-            Subject::Requirement(id) => {
-                let mut all = self.requirements.iter();
-                all.find(|r| &r.id == id).map(|r| r.margin)
-            }
-            Subject::FailureMode(id) => {
-                let mut all = self.failure_modes.iter();
-                all.find(|m| &m.id == id).map(|m| m.margin)
-            }
-        };
-        margin.unwrap_or(0.0)
+        crate::margin_of(self.requirements, self.failure_modes, subject)
     }
 
     pub(super) fn piece(&self, id: &str) -> Option<&'a Evidence> {

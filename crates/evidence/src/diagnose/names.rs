@@ -7,6 +7,10 @@
 //! most. Both have to stand in one table: of what is counted by person or session, or of totals. What was exchanged is the whole entry, or the occurrences alone (who counted opportunities by another list kept
 //! them right; of failure modes alone): whichever explains more, of equal ones the whole. The exchange takes `T - T'` of a conflict on one of the two, `T'` being what is left with the other's rate.
 //!
+//! # Assumes
+//! One exchange at most was made in a table, and all other evidence is right. That many pairs of names are tried is not
+//! allowed for. Trials are independent, or count at their effective size.
+//!
 //! # Source and guarantee
 //! One exchange in place of two wrong rates: the fewer things have to be wrong, the likelier (the method of difference, as
 //! in [`super::rates`]). Both rates have to fit where the other stood, in all other evidence, which a single wrong rate

@@ -7,10 +7,17 @@
 //! the strongest counts. Suspects are ranked by score; of equal ones tools come first, then requirement
 //! models, then system models (the cheapest to look at first), then by the order of the ledger.
 //!
-//! A suspect is mended if the clues of strong evidence against it all are ([`STRONG`]; without such ones, all), by the
-//! evidence that mends the strongest of them.
+//! A suspect is fixed if the clues of strong evidence against it all are ([`STRONG`]; without such ones, all), by the
+//! evidence that fixes the strongest of them.
 //!
 //! The suspect's title and first words are those of its strongest clue, the rest of the [`SAID`] strongest.
+//!
+//! # Assumes
+//! What counts say of different ways to fail is independent. Clues against one asset have one cause.
+//!
+//! # Guarantee
+//! The order is that of the scores, which are no probabilities: the shares of the blame add up to 1 for each conflict
+//! ([`super::blame`]), the scores of several conflicts do not. Each clue is of one suspect.
 
 use super::matter::{Clue, Matter};
 use super::shared::{share_with_edits, share_with_tools};
@@ -116,10 +123,11 @@ fn suspect(asset: SuspectAsset, clues: Vec<Clue>) -> Option<Suspect> {
         if !suspect.subjects.contains(&clue.subject) {
             suspect.subjects.push(clue.subject);
         }
-        if said < SAID && !suspect.explanation.contains(&clue.explanation) {
+        let new = unsaid(&suspect.explanation, &clue.explanation);
+        if said < SAID && !new.is_empty() {
             said += 1;
             suspect.explanation.push(' ');
-            suspect.explanation.push_str(&clue.explanation);
+            suspect.explanation.push_str(&new);
         }
         suspect.symptoms.push(clue.symptom);
         suspect.figures.extend(clue.figures);
@@ -143,7 +151,14 @@ fn suspect(asset: SuspectAsset, clues: Vec<Clue>) -> Option<Suspect> {
     Some(suspect)
 }
 
-/// The evidence that mends all that counts against an asset; `clues` are sorted, the strongest first.
+/// The sentences of an argument that were not said before: what holds of the asset holds for each subject.
+fn unsaid(said: &str, argument: &str) -> String {
+    let sentences = argument.split_inclusive(". ");
+    let new = sentences.filter(|sentence| !said.contains(sentence.trim_end()));
+    new.collect::<String>().trim_end().to_owned()
+}
+
+/// The evidence that fixes all that counts against an asset; `clues` are sorted, the strongest first.
 fn mended(clues: &[Clue]) -> Option<String> {
     let strong = clues.iter().filter(|clue| clue.score >= STRONG).count();
     let counting = match strong {
@@ -169,4 +184,20 @@ fn score(clues: &[Clue]) -> f64 {
     }
     let modes: f64 = of_modes.values().sum();
     modes.max(of_requirements).clamp(0.0, CERTAIN) + 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::unsaid;
+
+    #[test]
+    fn a_sentence_is_said_once() {
+        let said = "With 2 A and B agree (10^3.5 goes away). And the text says 2.";
+        let more = "With 2 A and C agree (10^4.5 goes away). And the text says 2.";
+        assert_eq!(
+            unsaid(said, more),
+            "With 2 A and C agree (10^4.5 goes away)."
+        );
+        assert_eq!(unsaid(said, said), "");
+    }
 }

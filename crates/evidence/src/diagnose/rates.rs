@@ -9,7 +9,7 @@
 //! * *tool*: with the answer of a method whose bounds hold in place of one without, `T_s` is left; the
 //!   solver's share is `T - T_s`;
 //! * *names*: with two names of a table exchanged, where they were mixed up (`names`), `T_n` is left, and the table's share
-//!   is `T_s - T_n`;
+//!   is `T_s - T_n`; likewise what two tables or models take that changed places with each other (`places`);
 //! * *requirement model*: like is compared with like: property with property (cells A and B or C),
 //!   monitor with monitor (D and E or F), and each reading of one piece with the other piece. Under the
 //!   other form a computed value is moved by what the two forms differ by on the same sampled paths. Of these
@@ -18,17 +18,22 @@
 //! * *system model*: the rest, of the strongest of its conflicts what it differs by from all others together, where these
 //!   have voices of their own and agree. It is shared out between `X` and `Y` as [`super::blame`] does.
 //!
+//! # Assumes
+//! One asset at a time is wrong, so that what goes away with its change is due to it. Trials are independent, or count at
+//! their effective size; two forms are held against each other on the same paths.
+//!
 //! # Source and guarantee
 //! Changing one thing at a time and taking the difference is the method of difference (J. S. Mill, 1843);
-//! the shares add up to the conflict. Each conflict gives at least one clue.
+//! the shares add up to the conflict, but for shares of a system model below [`NAMED`] and where a model counts what it
+//! differs by from all others together. Each conflict gives at least one clue.
 
 use super::blame::is_read_from_runs;
-use super::exchanged::is_table;
+use super::exchanged::{Exchanged, exchanged, is_table};
 use super::forms::SENTENCE;
 use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form};
-use super::strength::{CERTAIN, Rate, STRONG, strength};
+use super::strength::{CERTAIN, Rate, STRONG, strength, weighed};
 use super::suspect::{Figure, ODD_ONE_OUT, SuspectAsset, SuspectKind, Symptom};
-use crate::{AskedBy, Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject};
+use crate::{AskedBy, Comparison, Evidence, Inaccuracy, Measure, Subject};
 
 /// The most that two models count against each other: they differ for certain, but only data say which is wrong.
 const MODELS: f64 = 2.0;
@@ -139,14 +144,20 @@ impl<'a> Matter<'a> {
             }
         }
         for (piece, against) in [(one, other), (other, one)] {
-            let exchanged = self
-                .of_columns(piece, against, subject, left)
-                .or_else(|| self.of_names(piece, against, subject, left));
+            let margin = |subject: &Subject| self.margin(subject);
+            let exchanged = match exchanged(self.evidence, piece, &margin) {
+                Some(Exchanged::Columns(_)) => self.of_columns(piece, against, subject, left),
+                Some(Exchanged::Names(_)) => self.of_names(piece, against, subject, left),
+                None => None,
+            };
             if let Some((clue, rest)) = exchanged {
                 left = rest;
                 clues.push(clue);
             }
         }
+        let (moved, rest) = self.of_places([one, other], subject, left);
+        clues.extend(moved);
+        left = rest;
         if left < STRONG && !clues.is_empty() {
             return clues;
         }
@@ -173,9 +184,8 @@ impl<'a> Matter<'a> {
         let Measure::Probability { answer, others, .. } = &piece.finding(subject)?.measure else {
             return None;
         };
-        let holds = |g: &Guarantee| !matches!(g, Guarantee::Estimated { .. });
-        let sound = others.iter().find(|other| holds(&other.guarantee))?;
-        if holds(&answer.guarantee) {
+        let sound = others.iter().find(|other| other.guarantee.is_certain())?;
+        if !answer.guarantee.is_estimated() {
             return None;
         }
         let theirs = Rate::on(against, subject)?;
@@ -297,8 +307,9 @@ impl<'a> Matter<'a> {
                 name_of(subject)
             ),
             explanation: format!(
-                "{rates}: a conflict on {} with a Bayes factor of 10^{whole:.1}; judged by `{}` instead, 10^{:.1}.{said}{sided}",
+                "{rates}: a conflict on {} {}; judged by `{}` instead, 10^{:.1}.{said}{sided}",
                 name_of(subject),
+                weighed(whole),
                 like.form,
                 like.left
             ),
@@ -424,11 +435,12 @@ impl<'a> Matter<'a> {
                 name_of(subject)
             ),
             explanation: format!(
-                "{} against {}: a conflict on {} with a Bayes factor of 10^{left:.1}. {alike} read through the same \
+                "{} against {}: a conflict on {} {}. {alike} read through the same \
                  words and the same monitor: that one of these is wrong has a probability of {share:.2}.",
                 rate_in_words(piece, subject),
                 rate_in_words(against, subject),
-                name_of(subject)
+                name_of(subject),
+                weighed(left)
             ),
             ruled_out: Vec::new(),
             ..own
@@ -458,10 +470,11 @@ impl<'a> Matter<'a> {
             score: left * share,
             title: format!("{} differs in {}", piece.id, name_of(subject)),
             explanation: format!(
-                "{} against {}: a conflict on {} with a Bayes factor of 10^{whole:.1}{rest}, with probability {share:.2} the odd one out.",
+                "{} against {}: a conflict on {} {}{rest}, with probability {share:.2} the odd one out.",
                 rate_in_words(piece, subject),
                 rate_in_words(against, subject),
-                name_of(subject)
+                name_of(subject),
+                weighed(whole)
             ),
             symptom: Symptom::RateDiffers {
                 subject: subject.clone(),

@@ -14,6 +14,10 @@
 //! The same holds where one value of a requirement model, replaced, makes the two agree ([`Symptom::EditExplains`]): its
 //! share of the conflict is taken from the system models of that pair, and from what they are read through.
 //!
+//! # Assumes
+//! An error of the step is of first or higher order and multiplies violations. The probability of being the odd one out
+//! does not depend on it.
+//!
 //! # Source and guarantee
 //! The method of difference (J. S. Mill, 1843), as in [`super::rates`]; L. F. Richardson, "The approximate arithmetical
 //! solution by finite differences" (1911), for the limit of small steps. A step whose effect is not beyond chance is

@@ -5,6 +5,9 @@
 //! is *contradicted* whose rate differs strongly from such counts under the same conditions (at least [`STRONG`]), while
 //! the other's does not.
 //!
+//! # Assumes
+//! People counted what the requirement means. Their trials are independent, or count at their effective size.
+//!
 //! # Guarantee
 //! This comes before what the sentence says (`forms`): a sentence that says the same as the contradicted form is in doubt
 //! with it. How the people counted is not known; counts that were made by a mistaken rule take the side of that rule.

@@ -28,6 +28,11 @@
 //! 4. Their scale: above 0.5 substantial, above 1 strong, above 2 decisive. Deviation: the uniform window
 //! for computed values, and that strengths are cut at [`CERTAIN`].
 //!
+//! # Assumes
+//! Trials are independent, or count at their effective size, and both sides are independent of each other. A rate of which
+//! nothing is known has Jeffreys' prior; a computed value is off by anything within the margin with equal probability,
+//! whatever its own bounds or draws say.
+//!
 //! # Cost and guarantee
 //! 2048 evaluations of a likelihood for a computed value, else a constant. The window is integrated by
 //! the midpoint rule, over the part of it that has likelihood: relative error below 1e-3 of the Bayes
@@ -150,7 +155,7 @@ impl Rate {
     pub fn on(piece: &Evidence, subject: &Subject) -> Option<Self> {
         let finding = piece.finding(subject)?;
         match &finding.measure {
-            Measure::Probability { answer, .. } if !answer.guarantee.is_estimated() => {
+            Measure::Probability { answer, .. } if answer.guarantee.is_certain() => {
                 Some(Self::claimed(answer.value, subject))
             }
             _ => Self::of(finding),
@@ -163,6 +168,24 @@ impl Rate {
         match subject {
             Subject::FailureMode(_) if value == 0.0 => Self::Never,
             _ => Self::Computed(value),
+        }
+    }
+
+    /// The rate of the contrary; that something is certain excludes the contrary.
+    pub(super) fn of_contrary(self) -> Self {
+        match self {
+            Self::Counted {
+                count,
+                open,
+                trials,
+            } => Self::Counted {
+                count: (trials - count - open).max(0.0),
+                open,
+                trials,
+            },
+            Self::Computed(1.0) => Self::Never,
+            Self::Computed(value) => Self::Computed(1.0 - value),
+            Self::Never => Self::Computed(1.0),
         }
     }
 
@@ -267,6 +290,16 @@ pub fn strength(one: Rate, other: Rate, margin: f64) -> f64 {
         against_one_rate(one, other, margin * SMALL).clamp(whole, most)
     };
     strength.clamp(0.0, CERTAIN)
+}
+
+/// A strength in words: a Bayes factor, or what stands for one where a difference may lie within the margin.
+pub(crate) fn weighed(strength: f64) -> String {
+    let most = match strength {
+        it if it == AROUND_MARGIN => "a difference that may lie within the margin by chance",
+        it if it == WITHIN_MARGIN => "a difference within the margin",
+        _ => return format!("with a Bayes factor of 10^{strength:.1}"),
+    };
+    format!("weighed at 10^{strength:.1}, the most for {most}")
 }
 
 /// The same, below 0 by how strongly the data speak for one rate, in decades.

@@ -77,7 +77,7 @@ impl SuspectAsset {
         let files = &self.together;
         (!files.is_empty()).then(|| {
             format!(
-                "not told apart from it: {} (the same evidence rests on them)",
+                "not distinguishable from it: {} (the same evidence depends on them)",
                 files.join(", ")
             )
         })
@@ -258,18 +258,18 @@ pub struct Suspect {
     pub witnesses: Vec<Witness>,
     /// What was held against it and found not to be the reason, one sentence each.
     pub ruled_out: Vec<String>,
-    /// The later evidence in which it is mended, if it is.
+    /// The later evidence in which it is fixed, if it is.
     pub resolved_by: Option<String>,
 }
 
 impl Suspect {
-    /// Whether nothing has mended it yet.
+    /// Whether nothing has fixed it yet.
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.resolved_by.is_none()
     }
 
-    /// Whether it differs only from evidence that its own evidence has taken the place of: then nothing of it was mended.
+    /// Whether it differs only from evidence that its own evidence has taken the place of: then nothing of it was fixed.
     #[must_use]
     pub fn differs_from_what_it_replaced(&self) -> bool {
         let by = self.resolved_by.as_ref();

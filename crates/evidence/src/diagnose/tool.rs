@@ -2,6 +2,9 @@
 //!
 //! An answer without a bound that lies outside the bounds of another method is wrong by at least
 //! that distance. Guarantee: no claim rests on an estimate, only on bounds that hold.
+//!
+//! # Assumes
+//! The bounds of the sound method hold, and both methods were asked the same of one model.
 
 use crate::{Guarantee, MethodAnswer};
 
@@ -14,7 +17,7 @@ pub(super) fn distance_from_bounds(sound: &MethodAnswer, other: &MethodAnswer) -
     let (low, high) = match &sound.guarantee {
         Guarantee::Exact { .. } => (sound.value, sound.value),
         Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. } => (*low, *high),
-        Guarantee::Estimated { .. } => return None,
+        Guarantee::Statistical { .. } | Guarantee::Estimated { .. } => return None,
     };
     let distance = (low - other.value).max(other.value - high);
     let estimated = matches!(other.guarantee, Guarantee::Estimated { .. });

@@ -11,6 +11,10 @@
 //!
 //! The *voice* of a piece is the set of pieces that are reached from it by such pairs.
 //!
+//! # Assumes
+//! What pieces share shows in assets, calibrations, questions or tables, and pieces that share it with a third share it
+//! with each other.
+//!
 //! # Source and guarantee
 //! Pieces that inherit one error are not independent witnesses (L. Bovens, S. Hartmann, "Bayesian Epistemology", 2003,
 //! chapter 4). The relation is symmetric and the voices partition the pieces, so that each error is counted once. What
@@ -33,7 +37,11 @@ fn share_file(one: &Evidence, other: &Evidence) -> bool {
     let ours = one.assets.iter().filter(|a| speaks(a.role));
     ours.into_iter().any(|a| {
         let mut theirs = other.assets.iter().filter(|b| b.role == a.role);
-        theirs.any(|b| a.path == b.path || !a.hash.is_empty() && a.hash == b.hash)
+        let is_same = |b: &crate::Asset| {
+            let is_equal = !a.hash.is_empty() && a.hash == b.hash;
+            a.path == b.path || is_equal && !one.may_equal_by_chance(other)
+        };
+        theirs.any(is_same)
     })
 }
 

@@ -7,6 +7,10 @@
 //! Where a few subjects are added, they are mostly a stage judged by the exact distribution of their successes, since one person
 //! more is no normal increment: `stats::continued_clusters_above` says when. The limits of the rate are where the p-value is the error.
 //!
+//! # Assumes
+//! As in [`super`]. Correlated trials are of people who are added from one population, with rates of a beta distribution;
+//! the design effect was at all looks that of today.
+//!
 //! # Guarantee
 //! Of `stats::continuation`: exact for independent trials, approximate for correlated ones.
 

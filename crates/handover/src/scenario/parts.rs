@@ -307,7 +307,7 @@ pub struct TruthRules {
     pub in_hand_offset_m: Vector,
     /// How far from there the hand may be, in each axis.
     pub in_hand_tolerance_m: Vector,
-    /// A pull of less is no pull.
+    /// Weaker pulls are not counted as pulls.
     pub weakest_pull_newtons: f64,
 }
 

@@ -54,7 +54,7 @@ pub struct Drift {
     pub declared: String,
     /// Where the form stands, as file and line.
     pub place: String,
-    /// What mends it.
+    /// What fixes it.
     pub remedy: String,
 }
 
@@ -95,7 +95,7 @@ impl DriftKind {
         }
     }
 
-    /// What mends it.
+    /// What fixes it.
     fn remedy(self, form: &str) -> &'static str {
         match (self, form) {
             (Self::Limit, _) => {

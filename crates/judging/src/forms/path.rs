@@ -85,7 +85,7 @@ impl Reader<'_> {
                 left,
                 right,
             } => self.temporal(*operator, bound.as_deref(), left.as_deref(), right),
-            _ => Err("it speaks of the model's variables, not of propositions".into()),
+            _ => Err("it uses the model's variables, not propositions".into()),
         }
     }
 
@@ -129,7 +129,7 @@ impl Reader<'_> {
         right: &Expr,
     ) -> Result<Formula, String> {
         if operator == TemporalOp::Next {
-            return Err("a trace has no steps of the model, which `X` speaks of".into());
+            return Err("`X` needs steps of the model, which a trace does not have".into());
         }
         let interval = self.interval(bound)?;
         let right = Box::new(self.formula(right)?);

@@ -171,7 +171,7 @@ impl Listened {
             self.away_since_nanos = Some(outlet.queue.clock.now_nanos());
             outlet.queue.push_event(Event::Disconnected {
                 topic: Some(self.topic.clone()),
-                reason: "nobody publishes it any more".to_owned(),
+                reason: "it has no publisher any more".to_owned(),
             });
         }
         self.numbers.forget_gone(present);

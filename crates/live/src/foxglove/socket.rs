@@ -32,8 +32,7 @@ impl Address {
     pub(super) fn parse(url: &str) -> Result<Self, LiveError> {
         let Some(rest) = url.strip_prefix("ws://") else {
             return Err(LiveError::Option(format!(
-                "{url} is no address of a Foxglove WebSocket that can be used here: it begins with ws://, such as \
-                 ws://localhost:8765 (for wss:// put a tunnel or proxy before it)"
+                "the address of a Foxglove WebSocket must begin with ws://, such as ws://localhost:8765 (got {url}; for wss:// put a tunnel or proxy before it)"
             )));
         };
         let authority = rest.split(['/', '?', '#']).next().unwrap_or_default();

@@ -134,6 +134,38 @@ pub fn divide_update(
     )
 }
 
+/// Divides one outcome of a command in two: with `chance` (a name or a literal), or with what remains of 1, it is as before, and else
+/// `to` happens, which is written as an update is.
+pub fn split_update(
+    text: &str,
+    update: &Update,
+    (chance, is_of_added): (&str, bool),
+    to: &str,
+) -> Edit {
+    let rest = format!("1-{chance}");
+    let (kept, added) = match (&update.probability, is_of_added) {
+        (None, false) => (chance.to_owned(), rest),
+        (None, true) => (rest, chance.to_owned()),
+        (Some(probability), is_of_added) => {
+            let factor = factor(text, probability);
+            let (kept, added) = match is_of_added {
+                false => (chance.to_owned(), format!("({rest})")),
+                true => (format!("({rest})"), chance.to_owned()),
+            };
+            (format!("{factor}*{kept}"), format!("{factor}*{added}"))
+        }
+    };
+    let outcome = outcome(text, update);
+    Edit::replace(update.span, format!("{kept} : {outcome} + {added} : {to}"))
+}
+
+/// What an update does, without its probability, as it is written.
+#[must_use]
+pub fn outcome(text: &str, update: &Update) -> String {
+    let span = body(text, update);
+    text[span.start..span.end].to_owned()
+}
+
 /// A probability as a factor.
 fn factor(text: &str, probability: &Expr) -> String {
     let written = &text[probability.span.start..probability.span.end];
@@ -156,7 +188,8 @@ fn body(text: &str, update: &Update) -> Span {
 }
 
 /// What an update does, with another value for one variable.
-fn with_value(text: &str, update: &Update, variable: &str, value: &str) -> String {
+#[must_use]
+pub fn with_value(text: &str, update: &Update, variable: &str, value: &str) -> String {
     let own = format!("({variable}'={value})");
     let is_own = |it: &&Assignment| it.variable.text == variable;
     if update.assignments.is_empty() {

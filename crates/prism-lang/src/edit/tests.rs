@@ -123,6 +123,33 @@ fn a_branch_beside_others_takes_its_share_of_each() {
 }
 
 #[test]
+fn parentheses_within_a_probability_or_a_definition_go_with_it() {
+    let text = "dtmc\nconst double q = 0.5*(1-0.2);\nconst double r = (1-q)*(q);\nmodule m\n  s : [0..2];\n  \
+                [] s=0 -> q*(1-r) : (s'=1) + 1-q*(1-r) : (s'=1);\nendmodule\n";
+    let tree = parse_model(text).tree;
+    let ModuleBody::Written { commands, .. } = &tree.modules[0].body else {
+        panic!("it is written out");
+    };
+    let of = |edits: &[super::Edit]| super::apply(text, edits).expect("applied");
+    let branched = of(&add_branch(text, &commands[0], "0.1", "s", "2"));
+    assert!(
+        branched.contains(
+            "(q*(1-r))*(1-0.1) : (s'=1) + (1-q*(1-r))*(1-0.1) : (s'=1)\n    + 0.1 : (s'=2);"
+        ),
+        "{branched}"
+    );
+    assert!(parse_model(&branched).into_result().is_ok());
+    for (name, expected) in [
+        ("q", "const double q = 0.3;"),
+        ("r", "const double r = 0.3;"),
+    ] {
+        let set = of(&super::set_constant(&tree, name, "0.3").expect("a constant"));
+        assert!(set.contains(expected), "{set}");
+        assert!(parse_model(&set).into_result().is_ok());
+    }
+}
+
+#[test]
 fn a_draw_is_made_once_in_each_copy() {
     let tree = parse_model(MODEL).tree;
     let text = changed(&draw_once(MODEL, &tree, "x").expect("a draw"));

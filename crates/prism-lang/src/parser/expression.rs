@@ -163,12 +163,13 @@ impl Parser<'_> {
         let start = self.peek().span.start;
         let mut left = self.prefix(context, least)?;
         while let Some(operator) = self.binary_operator(least) {
-            let mut operands = vec![left];
+            let mut operands = vec![(left, self.previous_span().end)];
             let associative = matches!(operator, BinaryOp::And | BinaryOp::Or);
             let (_, right_level) = operand_levels(operator);
             loop {
                 self.advance();
-                operands.push(self.nested(|p| p.binary(context, right_level))?);
+                let operand = self.nested(|p| p.binary(context, right_level))?;
+                operands.push((operand, self.previous_span().end));
                 if !associative || self.binary_operator(least) != Some(operator) {
                     break;
                 }
@@ -190,34 +191,41 @@ impl Parser<'_> {
         binary_of(token.text).filter(|op| level_of(*op) >= least)
     }
 
-    /// Joins operands from the left; a long chain of an associative operator as a balanced tree.
-    fn chain(&mut self, operator: BinaryOp, operands: Vec<Node>, start: usize) -> Node {
+    /// Joins operands from the left; a long chain of an associative operator as a balanced tree. Each operand comes with where it
+    /// ends, with its parentheses.
+    fn chain(&mut self, operator: BinaryOp, operands: Vec<(Node, usize)>, start: usize) -> Node {
         let mut operands = operands;
         while operands.len() > LONGEST_UNBALANCED_CHAIN {
             let mut halved = Vec::with_capacity(operands.len() / 2 + 1);
             let mut rest = operands.into_iter();
-            while let Some(a) = rest.next() {
+            while let Some((a, end)) = rest.next() {
                 halved.push(match rest.next() {
-                    Some(b) => self.join(operator, a, b, None),
-                    None => a,
+                    Some((b, end)) => (self.join(operator, a, (b, end), None), end),
+                    None => (a, end),
                 });
             }
             operands = halved;
         }
         let mut rest = operands.into_iter();
-        let mut left = rest
+        let (mut left, _) = rest
             .next()
-            .unwrap_or_else(|| Node::leaf(ExprKind::Error, Span::default()));
+            .unwrap_or_else(|| (Node::leaf(ExprKind::Error, Span::default()), 0));
         for right in rest {
             left = self.join(operator, left, right, Some(start));
         }
         left
     }
 
-    fn join(&mut self, operator: BinaryOp, a: Node, b: Node, start: Option<usize>) -> Node {
-        // With the start of the left operand's parenthesis, if it has one.
+    fn join(
+        &mut self,
+        operator: BinaryOp,
+        a: Node,
+        (b, end): (Node, usize),
+        start: Option<usize>,
+    ) -> Node {
+        // With the operands' own parentheses, if they have any.
         let start = start.unwrap_or(a.expr.span.start).min(a.expr.span.start);
-        let span = Span::new(start, b.expr.span.end);
+        let span = Span::new(start, end.max(b.expr.span.end));
         let height = 1 + a.height.max(b.height);
         let kind = ExprKind::Binary(operator, Box::new(a.expr), Box::new(b.expr));
         self.node(kind, span, height)

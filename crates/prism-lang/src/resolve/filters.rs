@@ -99,7 +99,7 @@ impl<'a> PropertyResolver<'a> {
         let operand = self.formula(&strategy.operand);
         let problem = match &strategy.coalition {
             _ if !self.model.model_type.has_choices() => Some((
-                "the model has no choices, so that nobody has a strategy.".to_owned(),
+                "the model has no choices, so there is no strategy.".to_owned(),
                 "Ask for the probability itself, or use an `mdp`.",
             )),
             Coalition::Players(players) if !players.is_empty() => Some((
@@ -107,7 +107,7 @@ impl<'a> PropertyResolver<'a> {
                     "player `{}` belongs to games of several players, which are not supported yet.",
                     players[0].text
                 ),
-                "Write `<<*>>` for the scheduler, `<<>>` for nobody.",
+                "Write `<<*>>` for the scheduler, `<<>>` for no player.",
             )),
             _ => None,
         };

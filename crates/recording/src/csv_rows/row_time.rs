@@ -32,7 +32,7 @@ impl fmt::Display for TimeUnitError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             out,
-            "\"{}\" is no unit of time; write s, ms, us or ns",
+            "\"{}\" is not a unit of time; write s, ms, us or ns",
             self.text
         )
     }

@@ -140,7 +140,7 @@ impl Planner<'_> {
             }
             _ if path.is_length => return Err(path.error("only arrays have a length")),
             (_, ProtoKind::Bytes | ProtoKind::Group) => {
-                return Err(path.error("it holds bytes, which are no number"));
+                return Err(path.error("it holds bytes, which are not a number"));
             }
             _ if !rest.is_empty() => {
                 return Err(path.error("it has no parts; end the path before it"));

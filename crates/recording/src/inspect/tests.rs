@@ -117,7 +117,8 @@ fn rates_gaps_clocks_and_frames_are_found() {
     );
     let table = found.to_string();
     assert!(
-        table.contains("1 messages of /arm/joints do not fit") && table.contains("95.23"),
+        table.contains("not as their schema says: 1 message of /arm/joints")
+            && table.contains("95.23"),
         "{table}"
     );
     let _: serde_json::Value = serde_json::to_value(&found).unwrap();

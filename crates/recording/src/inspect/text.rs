@@ -4,14 +4,21 @@ use std::fmt;
 
 use super::Inspection;
 
+/// The ending of a noun.
+fn plural(count: u64) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}
+
 impl fmt::Display for Inspection {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let duration_secs = self.duration_secs().unwrap_or(0.0);
         writeln!(
             out,
-            "{} messages on {} topics in {duration_secs:.3} s",
+            "{} message{} on {} topic{} in {duration_secs:.3} s",
             self.messages,
-            self.topics.len()
+            plural(self.messages),
+            self.topics.len(),
+            plural(self.topics.len() as u64)
         )?;
         for file in &self.files {
             writeln!(out, "{file}")?;
@@ -65,19 +72,25 @@ impl Inspection {
                 let misfits = topic.misfits;
                 writeln!(
                     out,
-                    "{misfits} messages of {name} do not fit their schema ({first})"
+                    "not as their schema says: {misfits} message{} of {name} ({first})",
+                    plural(misfits)
                 )?;
             }
             if topic.unstamped > 0 {
                 writeln!(
                     out,
-                    "{} messages of {name} have the stamp 0",
-                    topic.unstamped
+                    "with the stamp 0: {} message{} of {name}",
+                    topic.unstamped,
+                    plural(topic.unstamped)
                 )?;
             }
         }
         for (problem, count) in &self.frame_problems {
-            writeln!(out, "{count} transforms cannot be used: {problem}")?;
+            writeln!(
+                out,
+                "not usable: {count} transform{}: {problem}",
+                plural(*count)
+            )?;
         }
         for loss in &self.losses {
             writeln!(out, "lost {loss}")?;

@@ -112,7 +112,7 @@ fn list(content: &mut Content) {
         rest = behind;
     }
     if let Some(at) = broken_at {
-        let place = format!("what follows its byte {at} is no record");
+        let place = format!("what follows its byte {at} is not a record");
         content.problem = Some(match content.problem.take() {
             Some(problem) => format!("{problem}; {place}"),
             None => place,

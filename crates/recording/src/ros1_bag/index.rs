@@ -307,7 +307,7 @@ impl<R: Read + Seek> BagFile<R> {
             let (Some(record), Some(kind)) = (record, kind) else {
                 index
                     .losses
-                    .push(loss(at, "what follows is no record; it is lost"));
+                    .push(loss(at, "what follows is not a record; it is lost"));
                 break;
             };
             match kind {

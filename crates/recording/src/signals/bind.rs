@@ -330,7 +330,7 @@ impl Binder<'_> {
         let conversion = parsed.and_then(|unit| unit.conversion_to(&metre));
         if conversion.is_none() {
             let message = format!(
-                "{unit} is no unit of length, so the point cannot be shifted into another frame; \
+                "{unit} is not a unit of length, so the point cannot be shifted into another frame; \
                  give the unit of its coordinates"
             );
             self.error(&entry.name, entry.line, message);

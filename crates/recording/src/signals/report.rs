@@ -83,8 +83,7 @@ impl fmt::Display for StreamNote {
             )?,
             StreamNoteKind::UnknownName => write!(
                 out,
-                "{count} value{plural} of {topic} are none of the names in the topic map and count \
-                 as missing; add the names"
+                "{count} value{plural} of {topic} not among the names in the topic map, counted as missing; add the names"
             )?,
             StreamNoteKind::BadTransform => write!(
                 out,

@@ -9,6 +9,7 @@ use serde::Deserialize as _;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 use trace::FieldKind;
+use trace::duration::DurationError;
 
 use self::text::{EntryText, InterpolationText, KindText, OneOrMore, TimeSourceText, TimeText};
 use super::entry::{Interpolation, MappedSignal, SignalSource};
@@ -271,7 +272,7 @@ impl Reader<'_> {
         }
         if paths.iter().any(|path| !is_path(path)) {
             let remedy = "write the topic, a dot and the field, as in /joint_states.velocity[0]";
-            self.error(span, "this is no path into a topic", remedy);
+            self.error(span, "this is not a path into a topic", remedy);
             return None;
         }
         Some(source)
@@ -394,7 +395,7 @@ impl Reader<'_> {
     fn check_names(&mut self, map: &TopicMap, entry: &MappedSignal, span: Range<usize>) {
         for name in entry.part_names() {
             if MappedSignal::split(&name).is_none() {
-                let message = format!("{} is no name of a signal", entry.name);
+                let message = format!("{} is not a valid name of a signal", entry.name);
                 let remedy = "write a topic, a dot and a field, as in [\"/robot.hand_speed\"]";
                 self.error(span.clone(), message, remedy);
                 return;
@@ -408,15 +409,11 @@ impl Reader<'_> {
 
     /// The seconds that `text` means, for example `0.5 s` or `20 ms`.
     fn duration_secs(&mut self, text: &Spanned<String>) -> Option<f64> {
-        let secs = duration_of(text.get_ref());
-        let secs = secs.filter(|secs| (0.0..=MAX_DURATION_SECS).contains(secs));
+        let read = trace::duration::seconds(text.get_ref()).ok();
+        let secs = read.filter(|secs| *secs <= MAX_DURATION_SECS);
         if secs.is_none() {
-            let message = format!("\"{}\" is no duration", text.get_ref());
-            self.error(
-                text.span(),
-                message,
-                "write a number and a unit, as in \"0.5 s\" or \"20 ms\"",
-            );
+            let message = format!("\"{}\" is not a valid duration", text.get_ref());
+            self.error(text.span(), message, DurationError::REMEDY);
         }
         secs
     }
@@ -427,23 +424,6 @@ impl Reader<'_> {
 fn is_path(path: &str) -> bool {
     path.split_once('.')
         .is_some_and(|(topic, field)| !topic.is_empty() && !field.is_empty())
-}
-
-/// A number and a unit of time, as seconds.
-fn duration_of(text: &str) -> Option<f64> {
-    let text = text.trim();
-    let end = text.find(|letter: char| letter.is_alphabetic() && letter != 'e')?;
-    let number: f64 = text[..end].trim().parse().ok()?;
-    // Dividing by a power of ten rounds once, multiplying by its inverse twice.
-    let secs = match text[end..].trim() {
-        "s" => number,
-        "ms" => number / 1e3,
-        "us" | "µs" => number / 1e6,
-        "ns" => number / 1e9,
-        "min" => number * 60.0,
-        _ => return None,
-    };
-    Some(secs)
 }
 
 /// The name of a frame without the slash with which ROS 1 sometimes begins it.

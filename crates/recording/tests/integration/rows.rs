@@ -104,8 +104,8 @@ fn rows_that_cannot_be_read_are_told_with_line_and_column() {
     );
     let losses: Vec<String> = reader.losses().iter().map(ToString::to_string).collect();
     let told = [
-        "line 22, column \"x\": \"1.2.3\" is no number, so it counts as missing",
-        "line 23, column \"time_secs\": \"soon\" is no time; 1 message",
+        "line 22, column \"x\": \"1.2.3\" is not a number, so it counts as missing",
+        "line 23, column \"time_secs\": \"soon\" is not a valid time; 1 message",
         "line 24 has 1 cells, but there are 2 headers; 1 message",
         "line 27, the last one, has no line break",
     ];
@@ -184,9 +184,9 @@ fn lines_that_cannot_be_read_are_told_with_their_numbers() {
         [1_000_000_000, 5_000_000_000]
     );
     let told = [
-        "line 2 is no",
+        "line 2 is not a",
         "line 3 has no \"time_s\"",
-        "line 4: soon is no time",
+        "line 4: soon is not a valid time",
         "line 5",
         "line 6",
     ];

@@ -3,10 +3,17 @@
 //! # Definition
 //! Commands are tried in the order of [`super`]'s definition: with the branch as one more update, then with one of their
 //! updates divided; where none of these gives the counted rate, the probability of the branch is solved for.
+//!
+//! # Assumes
+//! One failure is missing, and comes from one command. The share that was counted is taken for its rate.
+//!
+//! # Guarantee
+//! The changed model gives the counted rate when it is solved. That the branch is where the system has it is not shown.
 
 use super::{
-    Changed, ModelChange, NEAR, Read, Refusal, SetConstant, Solver, rate_of,
+    Alternative, Changed, ModelChange, NEAR, Read, Refusal, SetConstant, Solver, Values,
     solving::{FARTHEST, digits, rate_with},
+    value_of as answer_of,
 };
 use crate::counts::Counts;
 use crate::draws::{Equality, of_guard, value_of};
@@ -19,13 +26,15 @@ use prism_lang::edit;
 impl ModelChange {
     pub(super) fn branch(&self, text: &str, solver: &dyn Solver) -> Result<Changed, Refusal> {
         let Self::Branch {
-            mode,
+            subject,
+            name,
             occurs,
             after,
             counts,
+            ..
         } = self
         else {
-            return Err("it is no branch".into());
+            return Err("it is not a branch".into());
         };
         let read = Read::new(text)?;
         let candidates = candidates(&read, occurs, after.as_deref())?;
@@ -35,18 +44,19 @@ impl ModelChange {
             all.map(|update| (*command, Some(update)))
         });
         for (command, update) in places.chain(updates) {
-            let branched = with_branch(&read, (command, update), mode, occurs, counts)?;
+            let share = (counts.fraction(), format!("{name}: {}", counts.words()));
+            let branched = with_branch(&read, (command, update), (name, occurs), &share)?;
             let Ok(values) = solver.values(&branched.text) else {
                 continue;
             };
-            let rate = rate_of(&values, mode);
+            let rate = answer_of(&values, subject);
             if rate.is_some_and(|rate| (rate - counts.rate()).abs() <= NEAR * counts.rate()) {
                 let (line, _) = prism_lang::line_and_column(text, command.span.start);
                 return Ok(Changed {
                     text: branched.text,
                     what: format!(
                         "{} can happen, with probability {} (line {line})",
-                        mode.replace('_', " "),
+                        name.replace('_', " "),
                         counts.fraction()
                     ),
                     constant: Some(SetConstant {
@@ -87,7 +97,8 @@ impl ModelChange {
         solver: &dyn Solver,
     ) -> Option<Changed> {
         let Self::Branch {
-            mode,
+            subject,
+            name,
             occurs,
             counts,
             ..
@@ -95,37 +106,90 @@ impl ModelChange {
         else {
             return None;
         };
-        candidates.iter().find_map(|command| {
-            let branched = with_branch(read, (command, None), mode, occurs, counts).ok()?;
-            let read = Read::new(&branched.text).ok()?;
-            let name = &branched.constant;
-            let number = Number::Constant(name.clone());
-            let subject = Subject::FailureMode(mode.clone());
-            let mut rate = |value: f64| rate_with(&read, solver, &number, value, &subject);
-            let start = (counts.rate(), Scale::Odds);
-            let value = solve::crossing(&mut rate, start, counts.rate(), FARTHEST)?;
-            let text = number.set(&read, value).ok()?;
-            Some(Changed {
-                values: solver.values(&text).ok()?,
-                text,
-                what: format!(
-                    "{} can happen, with probability {} each time, with which the rate is that of {}",
-                    mode.replace('_', " "),
-                    digits(value),
-                    counts.words()
-                ),
-                constant: Some(SetConstant {
-                    name: name.clone(),
-                    is_complement: false,
-                    is_solved: true,
-                    value: Some(value),
-                }),
-                notes: Vec::new(),
-                alternatives: Vec::new(),
-                settled: None,
-            })
+        let of = |command: &&Command| {
+            let asked = (subject, name.as_str(), occurs.as_str(), counts);
+            let solved = solve_branch(read, solver, (command, None), asked).ok()?;
+            let (line, _) = prism_lang::line_and_column(read.text, command.span.start);
+            let what = format!(
+                "{} can happen, with probability {} each time, with which the rate is that of {}",
+                name.replace('_', " "),
+                digits(solved.value),
+                counts.words()
+            );
+            Some((what, u32::try_from(line).ok(), solved))
+        };
+        let mut all = candidates.iter().filter_map(of);
+        let (what, line, solved) = all.next()?;
+        // Elsewhere it may as well be what is lacking.
+        let alternatives: Vec<Alternative> = all
+            .map(|(name, line, _)| Alternative { name, line })
+            .collect();
+        let notes = match alternatives.is_empty() {
+            true => Vec::new(),
+            false => vec![format!(
+                "Put in line {}; {} other commands may have it in its place, which the counts of it do not tell apart.",
+                line.unwrap_or_default(),
+                alternatives.len()
+            )],
+        };
+        Some(Changed {
+            what,
+            constant: Some(SetConstant {
+                name: solved.constant,
+                is_complement: false,
+                is_solved: true,
+                value: Some(solved.value),
+            }),
+            values: solved.values,
+            text: solved.text,
+            notes,
+            alternatives,
+            settled: None,
         })
     }
+}
+
+/// A model with a branch whose probability was solved for.
+pub(crate) struct SolvedBranch {
+    pub(crate) text: String,
+    /// The constant that has the probability.
+    pub(crate) constant: String,
+    pub(crate) value: f64,
+    pub(crate) values: Values,
+}
+
+/// The branch in a command, or in one of its updates, with which a subject has the counted rate: counts of a failure mode are
+/// of what the branch leads to, those of a requirement of the runs that keep it, whichever way the branch moves them.
+pub(crate) fn solve_branch(
+    read: &Read,
+    solver: &dyn Solver,
+    place: (&Command, Option<&Update>),
+    (subject, name, occurs, counts): (&Subject, &str, &str, &Counts),
+) -> Result<SolvedBranch, Refusal> {
+    let comment = match subject {
+        Subject::FailureMode(_) => format!("{name}: {}", counts.words()),
+        Subject::Requirement(id) => format!("{name}: requirement {id} holds in {}", counts.words()),
+    };
+    // What is left by a requirement that holds in most runs is where to begin.
+    let share = counts.rate().min(1.0 - counts.rate());
+    let start = match subject {
+        Subject::FailureMode(_) => counts.rate(),
+        Subject::Requirement(_) => share,
+    };
+    let first = (digits(start), comment);
+    let branched = with_branch(read, place, (name, occurs), &first)?;
+    let read = Read::new(&branched.text)?;
+    let number = Number::Constant(branched.constant.clone());
+    let mut rate = |value: f64| rate_with(&read, solver, &number, value, subject);
+    let found = solve::crossing(&mut rate, (start, Scale::Odds), counts.rate(), FARTHEST);
+    let value = found.ok_or("no probability of the branch gives the counted rate")?;
+    let text = number.set(&read, value)?;
+    Ok(SolvedBranch {
+        values: solver.values(&text)?,
+        text,
+        constant: branched.constant,
+        value,
+    })
 }
 
 /// The variable and the value of a proposition `variable=value`, and whether the model lacks the value.
@@ -230,9 +294,8 @@ struct Branched {
 fn with_branch(
     read: &Read,
     (command, update): (&Command, Option<&Update>),
-    mode: &str,
-    occurs: &str,
-    counts: &Counts,
+    (name, occurs): (&str, &str),
+    (share, comment): &(String, String),
 ) -> Result<Branched, Refusal> {
     let (variable, value, is_missing) = wanted_value(read, &read.equalities(occurs)?)?;
     let (variable, value) = (variable.as_str(), value.as_str());
@@ -246,12 +309,8 @@ fn with_branch(
             .map_err(|error| error.to_string())?;
         edits.extend(extension.edits);
     }
-    let constant = new_name(&read.tree, mode);
-    let line = format!(
-        "const double {constant} = {}; // {mode}: {}",
-        counts.fraction(),
-        counts.words()
-    );
+    let constant = new_name(&read.tree, name);
+    let line = format!("const double {constant} = {share}; // {comment}");
     edits.push(edit::add_constants(read.text, &read.tree, &[line], None));
     match update {
         None => edits.extend(edit::add_branch(

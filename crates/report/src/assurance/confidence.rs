@@ -82,7 +82,7 @@ fn agree(
         pair(builder, goal, &name, comparison);
     }
     if pairs.is_empty() {
-        let text = "Another technique speaks of it. Now: there is nothing to compare.";
+        let text = "Another technique covers it. Now: there is nothing to compare.";
         builder.support(goal, Kind::Goal, &format!("{name}-open"), text);
     }
     if let Subject::FailureMode(_) = subject {
@@ -139,7 +139,7 @@ fn numbers(
 }
 
 /// A suspect on which evidence in use rests is a reason to doubt it, if what speaks against it is strong; one that later
-/// evidence mends is a doubt defeated.
+/// evidence fixes is a doubt defeated.
 fn doubt(builder: &mut Builder, goal: usize, name: &str, suspect: &Suspect, ids: &[&str]) {
     let mut resting = suspect.asset.evidence.iter();
     if !suspect.is_strong() || !resting.any(|e| ids.contains(&e.as_str())) {
@@ -149,11 +149,11 @@ fn doubt(builder: &mut Builder, goal: usize, name: &str, suspect: &Suspect, ids:
     let kind = inaccuracy(suspect.inaccuracy);
     let text = format!("{} ({kind})", suspect.title);
     let counter = builder.challenge(goal, &name, text, false);
-    if let Some(mended) = &suspect.resolved_by {
+    if let Some(resolved) = &suspect.resolved_by {
         let text = match suspect.differs_from_what_it_replaced() {
-            true => format!("It differs only from evidence that {mended} replaces"),
-            false => format!("It is mended in {mended}"),
+            true => format!("It differs only from evidence that {resolved} replaces"),
+            false => format!("It is fixed in {resolved}"),
         };
-        builder.challenge(counter, &format!("{name}-mended"), text, true);
+        builder.challenge(counter, &format!("{name}-fixed"), text, true);
     }
 }

@@ -18,7 +18,7 @@
 //! What is not so is said in the notation's own terms. Evidence against a goal
 //! and conflicts between evidence are *counter goals* that challenge it (the
 //! standard's dialectic extension); a violated requirement's goal is *defeated*,
-//! and so is a counter goal whose cause was mended by later evidence. What is
+//! and so is a counter goal whose cause was fixed by later evidence. What is
 //! missing (never covered, not expressible, not comparable, inconclusive,
 //! agreement that is only a fit) is an *undeveloped goal*.
 //!

@@ -10,7 +10,7 @@ use crate::view::{View, section};
 pub fn render(view: View) -> Markup {
     let lead = html! {
         "How many runs (or, for failure modes, opportunities) each piece of evidence has on each subject. "
-        "A rate says nothing about what was never observed."
+        "A rate does not cover what was never observed."
     };
     let body = html! {
         @if !view.study.evidence.is_empty() { (table(view)) (key()) }

@@ -23,7 +23,7 @@ pub fn render(view: View) -> Markup {
     };
     let lead = html! {
         "Parameters of the simulator that were set so that it fails as " (view.link(&fit.evidence)) " did, by "
-        (number::count(fit.episodes)) " simulated episodes. Agreement on what was fitted is no corroboration; what was held "
+        (number::count(fit.episodes)) " simulated episodes. Agreement on what was fitted is not corroboration; what was held "
         "out is a test."
     };
     let body = html! {

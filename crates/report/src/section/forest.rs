@@ -78,7 +78,7 @@ fn figure(view: View, (subject, members): &(Subject, Vec<&Requirement>)) -> Mark
                 }
             }
             @if rows.is_empty() {
-                p class="empty" { "No evidence speaks of this requirement." }
+                p class="empty" { "No evidence covers this requirement." }
             } @else {
                 ol class="rows" {
                     @if !named.is_empty() {

@@ -61,7 +61,7 @@ fn not_confirmed(view: View, found: &Exploration) -> Markup {
     html! {
         @if !others.is_empty() {
             h3 { "Not confirmed by the full physics" }
-            p class="small" { "Episodes of the fast physics showed these, and the same episodes in the full physics did not. They are no findings." }
+            p class="small" { "Episodes of the fast physics showed these, and the same episodes in the full physics did not. They are not findings." }
             ul class="small" {
                 @for one in others {
                     li { (what(view, one)) " (in " (number::count(one.episodes)) " of " (number::count(found.episodes)) " episodes of the fast physics)" }
@@ -204,7 +204,7 @@ fn broken(found: &Exploration) -> Markup {
         @if !found.broken.is_empty() {
             p class="note" {
                 "The physics gave no numbers in " (number::count(found.broken.len() as u64)) " of "
-                (number::count(found.episodes)) " episodes, which says nothing of the robot: "
+                (number::count(found.episodes)) " episodes, which is not evidence about the robot: "
                 @for (i, episode) in found.broken.iter().take(LISTED).enumerate() {
                     @if i > 0 { "; " }
                     "episode " (number::count(episode.episode)) " (" (episode.reason) ")"
@@ -219,7 +219,7 @@ fn broken(found: &Exploration) -> Markup {
 /// Settings that are not nominal, as a heading.
 fn settings(settings: &[CauseSetting]) -> Markup {
     html! {
-        @if settings.is_empty() { "All that is set or drawn once is nominal" }
+        @if settings.is_empty() { "All other parameters are at their nominal values" }
         @for (i, setting) in settings.iter().enumerate() {
             @if i > 0 { ", " }
             span class="setting" {

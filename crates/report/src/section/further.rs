@@ -17,9 +17,12 @@ pub fn render(view: View) -> Markup {
     let current: Vec<&Undecided> = synthesis.undecided.iter().filter(|u| u.current).collect();
     let body = html! {
         @if current.is_empty() && synthesis.deciding.is_empty() && synthesis.not_planned.is_empty() {
-            p class="empty" { "Nothing waits for trials: no current pair is undecided." }
+            p class="empty" { "No undecided comparisons." }
         } @else {
             p { (plan::pricing(&synthesis.costs)) }
+            @if let Some(fixed) = plan::of_fixed_sizes(view.study) {
+                p { (fixed) }
+            }
             @if let Some(programme) = &synthesis.programme {
                 p { b { "All at once: " } (plan::programme(programme, &synthesis.costs)) }
             }

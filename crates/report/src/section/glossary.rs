@@ -16,7 +16,7 @@ pub fn render(view: View) -> Markup {
             (verdict_term(Verdict::Violated, "Evidence shows that it does not hold. For a requirement that asks for “always”, one violation is enough."))
             (verdict_term(Verdict::Conflicting, "Pieces of evidence contradict each other, so at least one of their models is wrong."))
             (verdict_term(Verdict::Undecided, "The evidence does not decide."))
-            (verdict_term(Verdict::NotCovered, "Nothing speaks about it."))
+            (verdict_term(Verdict::NotCovered, "No evidence covers it."))
             (term("At least, below, open", "In the matrix: the one-sided limit of this piece shows that what is required is met, that it is not, or neither. This is one piece's view; the conclusion weighs them all."))
         }
         h3 { "The three techniques" }
@@ -29,9 +29,9 @@ pub fn render(view: View) -> Markup {
         dl class="glossary" {
             (term("Interval", &format!("The range of rates with which the observed counts are compatible, {}. Few trials give a wide interval. Where trials by the same person resemble each other, it is widened to allow for that. A verdict has limits of one side, at the level that its requirement has in the study, which hold at every look where they say so.", words::intervals(view.study))))
             (term("Credible interval", "A formal model gives one exact number, but some of its constants were estimated from counts. Their uncertainty, carried through the model, gives this range. It is drawn as a band; each thin line in it is equally probable."))
-            (term("Guarantee", "How far a computed number can be trusted. Exact: no rounding. Bounded: the true value lies within stated bounds. Estimated: an iteration stopped, and nobody knows how far from the truth."))
+            (term("Guarantee", "How far a computed number can be trusted. Exact: no rounding. Bounded: the true value lies within stated bounds. Statistical: it lies within them with a stated confidence. Estimated: the iteration stopped without an error bound."))
             (term("1 − 1.1×10⁻⁵³", "A probability so near to one that its digits would all be nines: one minus the number shown."))
-            (term("Covered", "The situation about which the requirement speaks did arise. A run in which it did not says nothing. Not covered is not the same as not expressible, which means that the model cannot even say it."))
+            (term("Covered", "The situation about which the requirement speaks did arise. A run in which it did not is not counted. Not covered is not the same as not expressible, which means that the model cannot even say it."))
             (term("Opportunity", "A moment at which a failure mode could have occurred. Its rate is occurrences by opportunities: a sensor that was never asked cannot be wrong."))
         }
         h3 { "Comparing two pieces of evidence" }
@@ -40,8 +40,8 @@ pub fn render(view: View) -> Markup {
             (outcome_term(Outcome::Corroborates, "The difference is shown to be smaller than the margin. Merely not finding a difference is not enough."))
             (outcome_term(Outcome::Conflicts, "The difference is beyond chance, allowing for the number of comparisons made, and its estimate is the margin or more."))
             (outcome_term(Outcome::Inconclusive, "Neither is shown, or a difference whose estimate lies within the margin. The report says how many further trials would probably decide."))
-            (outcome_term(Outcome::NotComparable, "The two do not speak of the same thing: other conditions, or one of them never saw the situation."))
-            (term("Fit", "One side was tuned to the other, so their agreement was made, not found. It shows that tuning worked and confirms nothing."))
+            (outcome_term(Outcome::NotComparable, "The two measure different things: other conditions, or one of them never saw the situation."))
+            (term("Fit", "One side was tuned to the other, so their agreement is a fit. It shows that tuning worked and is not confirmation."))
             (term("p-value", "How often chance alone would produce a difference at least this large (“no difference”), or a difference this small although the true one exceeds the margin (“beyond margin”). Corrected: allowing for the number of comparisons."))
         }
         h3 { "Why evidence disagrees" }

@@ -1,6 +1,6 @@
 //! Requirements by techniques: the whole study in one table.
 
-use evidence::{Evidence, Measure, Requirement};
+use evidence::{Measure, Requirement, Technique};
 use maud::{Markup, html};
 
 use crate::number;
@@ -51,7 +51,7 @@ fn row(view: View, requirement: &Requirement) -> Markup {
             }
             @for technique in words::techniques(view.study) {
                 td role="cell" data-label=(words::technique(technique)) {
-                    (cell(view, requirement, &view.current(requirement, technique)))
+                    (cell(view, requirement, technique))
                 }
             }
             td role="cell" data-label="Conclusion" class="concluded" {
@@ -64,11 +64,14 @@ fn row(view: View, requirement: &Requirement) -> Markup {
     }
 }
 
-fn cell(view: View, requirement: &Requirement, evidence: &[&Evidence]) -> Markup {
+fn cell(view: View, requirement: &Requirement, technique: Technique) -> Markup {
     let subject = view.quantity(requirement);
+    let evidence = view.current(requirement, technique);
     html! {
-        @if evidence.is_empty() { span class="absent" { "· not asked" } }
-        @for item in evidence {
+        @if evidence.is_empty() {
+            span class="absent" { (words::not_shown(view.study, &subject, technique)) }
+        }
+        @for item in &evidence {
             div class="entry" {
                 @match item.finding(&subject) {
                     Some(finding) => {

@@ -114,7 +114,7 @@ fn agreement(study: &StudyResult) -> Markup {
                 "No constant of one that bears on the requirement was set to counts of the other, and neither is a copy.",
                 "No agreement between techniques is independent.", &independent))
             (agreement_list("Agreement that is only a fit",
-                "One side was tuned to the other, so it had to agree: this is no confirmation.",
+                "One side was calibrated on the other, so it had to agree: this is not confirmation.",
                 "No agreement is a fit.", &fitted))
         }
     }

@@ -246,13 +246,13 @@ fn findings_stand_under_their_causes_with_what_runs_them_again() {
     }
     let text = visible(&page);
     for part in [
-        "All that is set or drawn once is nominal",
+        "All other parameters are at their nominal values",
         "Nothing is done.",
         "perhaps not as small as it goes",
         "Unknown behaviour: {activated in_hand} to {activated}",
         "16 of 240 episodes; first found in episode 2 by own tests, boundary values ? not shown again",
         "corroborate replay STUDY results/exploration/findings/violated-1a.toml",
-        "The physics gave no numbers in 1 of 240 episodes, which says nothing of the robot",
+        "The physics gave no numbers in 1 of 240 episodes, which is not evidence about the robot",
         "until more of them had stopped paying",
     ] {
         assert!(text.contains(part), "missing: {part}");

@@ -44,7 +44,7 @@ fn fits_and_conflicts_are_said() {
         "A fit, 1a and 1b: E3 and E4",
         "Independent, 1a and 1b: E2",
         "(requirement model inaccuracy, score 5.3, still open)",
-        "mended in E5",
+        "fixed in E5",
         "Not covered by any evidence",
     ] {
         assert!(text.contains(part), "missing: {part}");

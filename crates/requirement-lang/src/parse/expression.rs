@@ -234,7 +234,7 @@ impl Parser<'_, '_, '_> {
                 "phrase",
                 span,
                 format!(
-                    "This is neither a name nor a comparison, since `{odd}` is no word of a name."
+                    "This is neither a name nor a comparison, since a name cannot contain `{odd}`."
                 ),
                 "Write a name of the vocabulary, a phrase of plain words, or a comparison such as \
                  `speed < 250 mm/s`.",

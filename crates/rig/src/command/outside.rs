@@ -103,7 +103,7 @@ impl OutsideCommand {
             name: self.words.first().cloned().unwrap_or_default(),
             version: String::new(),
             settings: format!(
-                "`{}`, {}; it is taken at its word that a seed fixes its run",
+                "`{}`, {}; that a seed fixes its run is assumed, not checked",
                 self.words.join(" "),
                 match self.pool {
                     None => "each episode a process",

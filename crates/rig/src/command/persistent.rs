@@ -179,7 +179,7 @@ impl Serving {
             Err(_) => {
                 let begins: String = line.trim_end().chars().take(80).collect();
                 let what = format!(
-                    "it printed `{begins}`, which is no answer; its output is for answers alone, print to the error output"
+                    "it printed `{begins}`, which is not an answer; its output is for answers only, print all else to the error output"
                 );
                 Some(self.failed(false, what))
             }

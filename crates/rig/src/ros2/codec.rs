@@ -177,7 +177,7 @@ fn spread_field(
         });
         let known: Vec<String> = known.collect();
         format!(
-            "`{path}` is given `{text}`, which is no field of the sensor; it has {}; a fixed text is written {{ text = \"{text}\" }}",
+            "`{path}` is given `{text}`, which is not a field of the sensor; it has {}; a fixed text is written {{ text = \"{text}\" }}",
             if known.is_empty() {
                 "none".to_owned()
             } else {

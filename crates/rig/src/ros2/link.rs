@@ -143,7 +143,7 @@ impl Link {
                 return self.listen_for(QUIET);
             };
             self.check_patience(began, &|| {
-                format!("it has not answered {CLOCK} 0 on {topic} (a node that says nothing while time stands still needs `settle_secs`)")
+                format!("it has not answered {CLOCK} 0 on {topic} (a node that is silent while time stands still needs `settle_secs`)")
             })?;
         }
     }
@@ -165,15 +165,15 @@ impl Link {
         match (unread.as_slice(), unheard.as_slice()) {
             ([], []) => None,
             ([], unheard) => Some(format!(
-                "nobody publishes {} in domain {domain}",
+                "no publisher of {} in domain {domain}",
                 unheard.join(", ")
             )),
             (unread, []) => Some(format!(
-                "nobody subscribes to {} in domain {domain}",
+                "no subscriber to {} in domain {domain}",
                 unread.join(", ")
             )),
             (unread, unheard) => Some(format!(
-                "nobody subscribes to {} nor publishes {} in domain {domain}",
+                "no subscriber to {} and no publisher of {} in domain {domain}",
                 unread.join(", "),
                 unheard.join(", ")
             )),
@@ -341,7 +341,10 @@ impl Link {
             Event::Refused { name, reason } => return Err(transport(format!("{name}: {reason}"))),
             Event::Lost { topic, count, .. } => {
                 let name = topic.map_or_else(|| "a topic".to_owned(), |it| it.name.clone());
-                return Err(transport(format!("{count} messages of {name} were lost")));
+                return Err(transport(format!(
+                    "lost {} of {name}",
+                    diagnostic::counted(count, "message")
+                )));
             }
             Event::Disconnected {
                 topic: Some(topic), ..

@@ -39,6 +39,7 @@ use domains::Domain;
 pub use domains::Domains;
 use link::Link;
 use node::Node;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 pub use table::{Join, check_text};
@@ -51,6 +52,7 @@ pub struct Ros2Controller {
     description: Description,
     command: Vec<String>,
     folder: PathBuf,
+    python_path: Option<OsString>,
     longest: Duration,
     domains: Domains,
     link: Option<Link>,
@@ -70,12 +72,18 @@ struct Pace {
 
 impl Ros2Controller {
     /// Prepares a controller; nothing is connected before its first episode.
-    pub fn new(join: Join, data: &ControllerData, folder: &Path, domains: &Domains) -> Self {
+    pub fn new(
+        join: Join,
+        data: &ControllerData,
+        (folder, python_path): (&Path, Option<&OsStr>),
+        domains: &Domains,
+    ) -> Self {
         Self {
             description: join.describe(data),
             join,
             command: data.command.clone(),
             folder: folder.to_owned(),
+            python_path: python_path.map(OsStr::to_owned),
             longest: Duration::from_secs_f64(data.answer_within_secs),
             domains: domains.clone(),
             link: None,
@@ -137,7 +145,8 @@ impl Controller for Ros2Controller {
         self.link = None;
         let mut link = Link::new(&self.join, setup, self.domain()?, self.longest)?;
         if !self.command.is_empty() {
-            let node = Node::start(&self.command, &self.folder, link.domain(), setup);
+            let place = (self.folder.as_path(), self.python_path.as_deref());
+            let node = Node::start(&self.command, place, link.domain(), setup);
             link.keep(node.map_err(|reason| ControllerError::Transport { reason })?);
         }
         link.wake(self.join.settle_secs.map(Duration::from_secs_f64))?;

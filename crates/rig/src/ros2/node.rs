@@ -1,7 +1,8 @@
 //! A node of ROS 2 that is started for an episode and ended with it.
 
-use crate::process::{Said, indented, keep_lines, python_path};
+use crate::process::{Said, indented, keep_lines};
 use crate::processor::Counted;
+use std::ffi::OsStr;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
@@ -21,10 +22,10 @@ pub struct Node {
 
 impl Node {
     /// Starts `command` in `folder` in a domain, with simulated time, the seed and the settings as
-    /// parameters.
+    /// parameters, and with `PYTHONPATH` if one is given.
     pub fn start(
         command: &[String],
-        folder: &Path,
+        (folder, python_path): (&Path, Option<&OsStr>),
         domain: u16,
         setup: &Setup,
     ) -> Result<Self, String> {
@@ -44,7 +45,7 @@ impl Node {
             .stderr(Stdio::piped())
             // Ctrl-C is for us; what we end ends its nodes.
             .process_group(0);
-        if let Some(path) = python_path() {
+        if let Some(path) = python_path {
             prepared.env("PYTHONPATH", path);
         }
         let mut child = prepared
@@ -155,7 +156,7 @@ mod tests {
         let command = format!("{work}; echo $ROS_DOMAIN_ID; exec sleep 600");
         let command = ["sh", "-c", &command].map(str::to_owned);
         let setup = Setup::default();
-        let mut node = Node::start(&command, Path::new("."), 42, &setup).expect("started");
+        let mut node = Node::start(&command, (Path::new("."), None), 42, &setup).expect("started");
         while !node.last_words().contains("    42") {
             std::thread::sleep(LOOK);
         }

@@ -29,7 +29,7 @@ pub struct Join {
     pub networks: Vec<IpAddr>,
     /// Without it, time waits for the answers.
     pub real_time_factor: Option<f64>,
-    /// How long to wait before time begins, for a node that says nothing while time stands still.
+    /// How long to wait before time begins, for a node that is silent while time stands still.
     pub settle_secs: Option<f64>,
     /// Topics to the node.
     #[serde(default)]

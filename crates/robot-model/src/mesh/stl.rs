@@ -62,7 +62,7 @@ fn text(bytes: &[u8]) -> Result<Triangles, MeshError> {
         let numbers: Vec<f64> = words.map_while(|word| word.parse().ok()).collect();
         let Ok(corner) = Vector::try_from(numbers) else {
             return Err(MeshError::Damaged(format!(
-                "line {} is no vertex with three numbers",
+                "line {} must be a vertex with three numbers",
                 index + 1
             )));
         };

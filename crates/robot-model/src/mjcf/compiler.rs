@@ -110,7 +110,7 @@ impl Compiler {
                     self.euler_sequence = letters;
                 }
                 _ => {
-                    let message = format!("eulerseq {sequence} is no sequence of axes");
+                    let message = format!("eulerseq {sequence} is not a sequence of axes");
                     reader.problem(&element.place, message, "give three letters of xyzXYZ");
                 }
             }

@@ -68,7 +68,7 @@ impl Context<'_, '_, '_> {
                 Some(bits as u32)
             }
             Some(_) => {
-                let message = format!("geom@{name} is no mask");
+                let message = format!("geom@{name} is not a valid mask");
                 self.reader
                     .problem(&element.place, message, "give a whole number from 0");
                 None

@@ -195,7 +195,11 @@ fn bitmask(reader: &mut Reader<'_, '_>, element: &Element) -> Option<Mask> {
     let number = number.filter(|bits| *bits <= 0x7fff_ffff);
     if number.is_none() {
         let remedy = "give a number from 0 to 2147483647, or 0x...";
-        reader.problem(&element.place, "collide_bitmask is no mask", remedy);
+        reader.problem(
+            &element.place,
+            "collide_bitmask is not a valid mask",
+            remedy,
+        );
     }
     number.map(|bits| Mask {
         kind: bits,

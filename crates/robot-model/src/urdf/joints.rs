@@ -102,7 +102,7 @@ fn freedoms(
         }
         "planar" => planar(reader, element, name, axis),
         "spherical" => {
-            let what = "the type spherical is none of URDF's own";
+            let what = "the type spherical is not one of URDF's own";
             let consequence = "the joint is a ball joint without limits";
             reader.gap(
                 &element.place,

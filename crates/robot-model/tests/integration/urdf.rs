@@ -219,7 +219,7 @@ const WRONG: [(&str, &str); 14] = [
     ),
     (
         "<robot><link name='a'><inertial><mass value='1e400'/></inertial></link></robot>",
-        "which is no usable number",
+        "which is too large or not finite",
     ),
     (
         "<robot><link name='a'><collision><geometry><sphere radius='-1'/></geometry></collision></link></robot>",

@@ -27,6 +27,11 @@
 //! J. G. Skellam (1948) and D. A. Williams (1975) for the model, `crate::beta_binomial`; stages are those of
 //! [`continuation`](super).
 //!
+//! # Assumes
+//! People are added from one population, independently of each other, and their rates have a beta distribution with one
+//! correlation. How many are added may depend on what was seen of others. Whom a stage added is found by counts alone.
+//! Other laws of people are measured in `evidence/ERROR_RATES.md`.
+//!
 //! # Guarantee
 //! Exact for stages that are judged by their distribution if `rho` is theirs; it is estimated. Measured rates are in `evidence/ERROR_RATES.md`.
 

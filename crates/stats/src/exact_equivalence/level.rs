@@ -1,4 +1,7 @@
 //! The probability of a region at given rates, with its derivatives along the boundary.
+//!
+//! # Assumes
+//! Both counts are binomial and independent of each other.
 
 use super::region::Region;
 use crate::special::binomial_pmf;

@@ -1,4 +1,7 @@
 //! The outcomes that speak at least as much against "the first rate exceeds the second by the margin or more".
+//!
+//! # Assumes
+//! The order grows with the first count and falls with the second, as the module above proves.
 
 use super::Counts;
 use crate::score::restricted_rate;

@@ -1,4 +1,7 @@
 //! An upper bound of the largest probability of regions along their boundaries, by branch and bound.
+//!
+//! # Assumes
+//! The regions keep Barnard's condition, so that the corner bounds an interval whose expansion does not.
 
 use super::level::{Expansion, expansion, probability};
 use super::region::Region;

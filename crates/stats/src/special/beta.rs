@@ -15,6 +15,9 @@
 //! only shrinks, with a bisection whenever a step leaves the bracket or fails to halve the
 //! residual: they end for every input. Cost: some hundreds of terms or 90 densities for a tail,
 //! about eight tails for a quantile. Guarantee: relative error near 1e-13 to 10^6 and 1e-12 to 10^8.
+//!
+//! # Assumes
+//! Nothing of the data.
 
 use super::beta_integral::{LARGE, upper_tail};
 use super::density::binomial_density;

@@ -16,6 +16,9 @@
 //! own slope, so that far tails keep their digits; six pieces of 15 nodes; Loader's form of the density. Cost: 90
 //! densities whatever the counts, where the continued fraction takes `O(sqrt(a + b))` terms. Guarantee: relative error
 //! near 1e-13, and beside it what a unit in the last place of `x` is worth (1e-12 at counts of 10^8).
+//!
+//! # Assumes
+//! Nothing of the data.
 
 use super::density::{deviance_from, stirling_error};
 use crate::quadrature::kronrod;

@@ -13,6 +13,9 @@
 //! formed once with a fused multiply-add and shared by both deviances, so that the result stays
 //! accurate when `np` is 10^8. Cost: a few logarithms. Guarantee: relative error near 1e-14
 //! times one plus the deviance.
+//!
+//! # Assumes
+//! Nothing of the data.
 
 use std::f64::consts::TAU;
 

@@ -8,6 +8,9 @@
 //! above, evaluated by Lentz's method as modified by Thompson and Barnett 1986); 5.7.3 for
 //! `ln Gamma` near 1 and 2. Deviation: the common factor `x^a e^-x / Gamma(a+1)` is Loader's
 //! saddle-point form. Cost: O(sqrt(a)) terms near `x = a`. Guarantee: about 1e-13 relative.
+//!
+//! # Assumes
+//! Nothing of the data.
 
 use super::density::{deviance, stirling_error};
 use std::f64::consts::TAU;

@@ -7,6 +7,9 @@
 //! Source: NIST DLMF 7.11.1 for the relation with the incomplete gamma function; Abramowitz and
 //! Stegun 26.2.23 for the first guess of the quantile, which Halley steps then polish.
 //! Guarantee: about 1e-14 relative in either tail, until the tail underflows near |z| = 38.
+//!
+//! # Assumes
+//! Nothing of the data.
 
 use super::gamma::{gamma_p, gamma_q};
 use std::f64::consts::TAU;

@@ -6,6 +6,9 @@
 //! ```
 //!
 //! Source: Abramowitz and Stegun 26.7.1 and 26.6.2. Guarantee: that of the beta tails.
+//!
+//! # Assumes
+//! Nothing of the data.
 
 use super::beta::{beta_quantile, beta_quantile_upper, beta_tails};
 

@@ -23,7 +23,8 @@ fn independent_studies_are_seldom_asked_about_and_copies_are_found() {
     }
     assert!(of("copied totals of 6 modes in 200 trials") > 0.9);
     assert!(of("renamed rows, 20 x 10") > 0.8);
-    assert!(of("3 copied rates, 4 decimals") > 0.5);
+    // Three standard errors below the 52 % of 2000 studies.
+    assert!(of("3 copied rates, 4 decimals") > 0.43);
     // Too little to tell: no alarm rather than a guess.
     assert!(of("renamed rows, 5 x 10") < 0.05);
 }

@@ -114,7 +114,11 @@ fn mistakes_in_a_space_are_named() {
             "`surface` sets already",
         ),
         ("\"robot.tries\"", "", "`sets` names no key"),
-        ("\"robot.tries\"", "\"robot..tries\"", "is no dotted key"),
+        (
+            "\"robot.tries\"",
+            "\"robot..tries\"",
+            "is not a valid dotted key",
+        ),
         ("tries = -5.0", "tires = -5.0", "no such parameter"),
         ("at_most = 5.0", "", "at_least or at_most"),
         ("at_most = 5.0", "at_most = 5.0\nat_least = 6", "lies above"),

@@ -2,7 +2,7 @@
 
 use super::{Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, UntilText, Work};
 use crate::{About, Forms};
-use diagnostic::{Problem, Source};
+use diagnostic::{Problem, Problems, Source, did_you_mean};
 use evidence::{Calibration, Subject};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -187,7 +187,8 @@ pub(super) enum IndependentText {
 #[serde(deny_unknown_fields)]
 pub(super) struct CalibratedText {
     /// The parameter of a simulator that was set.
-    parameter: Option<String>,
+    #[schemars(with = "Option<String>")]
+    parameter: Option<Spanned<String>>,
     /// The constant of a model that was set.
     #[schemars(with = "Option<String>")]
     constant: Option<Spanned<String>>,
@@ -214,18 +215,24 @@ pub(crate) fn schema() -> schemars::Schema {
 }
 
 /// Reads `ledger.toml`, if there is one, and checks it against the rest of the
-/// study.
-pub fn load(folder: &Path, about: &About, forms: &Forms) -> Result<(Vec<Entry>, Source), Problem> {
+/// study. Mistakes are added to those that were found; an entry whose work cannot be told is left out.
+pub fn load(
+    folder: &Path,
+    about: &About,
+    forms: &Forms,
+    found: &mut Problems,
+) -> (Vec<Entry>, Source) {
     let path = folder.join("ledger.toml");
+    let empty = || Source::new(path.display().to_string(), "");
     let source = if path.exists() {
-        host::files::read_source(&path)?
+        let source = found.keep(host::files::read_source(&path));
+        source.unwrap_or_else(empty)
     } else {
-        Source {
-            name: path.display().to_string(),
-            text: String::new(),
-        }
+        empty()
     };
-    let file: File = crate::toml_text::read(&source)?;
+    let Some(file) = crate::toml_text::read_on::<File>(&source, found) else {
+        return (Vec::new(), source);
+    };
     let all: BTreeSet<String> = file
         .evidence
         .iter()
@@ -240,23 +247,29 @@ pub fn load(folder: &Path, about: &About, forms: &Forms) -> Result<(Vec<Entry>, 
     };
     let mut seen = BTreeSet::new();
     let mut entries = Vec::new();
-    for text in file.evidence {
-        if !seen.insert(text.id.get_ref().clone()) {
-            return Err(reader.problem(
+    let mut left_out = Vec::new();
+    for (place, text) in file.evidence.into_iter().enumerate() {
+        let id = text.id.get_ref().clone();
+        if !seen.insert(id.clone()) {
+            found.add(reader.problem(
                 "duplicate-id",
-                format!("the ledger has two entries `{}`", text.id.get_ref()),
+                format!("the ledger has two entries `{id}`"),
                 text.id.span(),
                 "give each piece of evidence its own identifier",
             ));
         }
-        entries.push(reader.entry(text, &seen)?);
+        match reader.entry(text, place, &seen, found) {
+            Some(entry) => entries.push(entry),
+            None => left_out.push(id),
+        }
     }
-    Ok((entries, source))
+    left_out.iter().for_each(|id| found.break_name(id));
+    (entries, source)
 }
 
 pub(super) struct Reader<'a> {
     pub(super) folder: &'a Path,
-    source: &'a Source,
+    pub(super) source: &'a Source,
     about: &'a About,
     forms: &'a Forms,
     pub(super) all: BTreeSet<String>,
@@ -275,45 +288,47 @@ impl Reader<'_> {
             .remedy(remedy)
     }
 
-    fn entry(&self, text: EntryText, seen: &BTreeSet<String>) -> Result<Entry, Problem> {
+    /// An entry whose mistakes are told; nothing where its work cannot be told.
+    fn entry(
+        &self,
+        text: EntryText,
+        place: usize,
+        seen: &BTreeSet<String>,
+        found: &mut Problems,
+    ) -> Option<Entry> {
         if !is_file_name(text.id.get_ref()) {
-            return Err(self.problem(
+            found.add(self.problem(
                 "bad-id",
-                format!("`{}` cannot name evidence", text.id.get_ref()),
+                format!(
+                    "`id` must be letters, digits, `-` and `_` (got `{}`)",
+                    text.id.get_ref()
+                ),
                 text.id.span(),
-                "use letters, digits, `-` and `_`; results are kept in files of that name",
+                "choose another; results are kept in files of that name",
             ));
         }
-        let conditions = text.conditions.get_ref();
-        if !self.about.conditions.contains_key(conditions) {
-            return Err(self.problem(
-                "unknown-conditions",
-                format!("study.toml describes no conditions `{conditions}`"),
-                text.conditions.span(),
-                "describe them under [conditions] in study.toml",
-            ));
-        }
+        found.keep(self.known_conditions(&text));
         if let Some(ours) = &text.reproduced_by
             && !self.all.contains(ours.get_ref())
         {
-            return Err(self.unknown_evidence(ours));
+            found.add(self.unknown_evidence(ours));
         }
-        let calibrated = text
-            .calibrated
-            .iter()
-            .map(|c| self.calibrated(c, text.id.get_ref(), seen))
-            .collect::<Result<_, _>>()?;
-        let independent = self.independent(&text)?;
-        let undecided_at_random = self.undecided_at_random(&text)?;
-        let work = self.work(&text)?;
-        self.constants_have_a_model(&text, &work)?;
-        Ok(Entry {
+        let calibrated = text.calibrated.iter();
+        let calibrated = calibrated
+            .filter_map(|c| found.keep(self.calibrated(c, text.id.get_ref(), seen)))
+            .collect();
+        let independent = found.keep(self.independent(&text)).unwrap_or_default();
+        let undecided_at_random = found.keep(self.undecided_at_random(&text)).flatten();
+        let sampling = found.keep(self.sampling(&text)).unwrap_or_default();
+        let work = found.keep(self.work(&text, place))?;
+        found.keep(self.constants_have_a_model(&text, &work));
+        Some(Entry {
             independent,
             undecided_at_random,
             work,
-            sampling: self.sampling(&text)?,
+            sampling,
             calibrated,
-            conditions: conditions.clone(),
+            conditions: text.conditions.get_ref().clone(),
             id: text.id.into_inner(),
             title: text.title,
             changed: text.changed,
@@ -321,6 +336,24 @@ impl Reader<'_> {
             reproduced_by: text.reproduced_by.map(Spanned::into_inner),
             published: text.published,
         })
+    }
+
+    fn known_conditions(&self, text: &EntryText) -> Result<(), Problem> {
+        let conditions = text.conditions.get_ref();
+        if self.about.conditions.contains_key(conditions) {
+            return Ok(());
+        }
+        let known = self.about.conditions.keys().map(String::as_str);
+        let remedy = match did_you_mean(conditions, known) {
+            Some(similar) => format!("did you mean `{similar}`?"),
+            None => "describe them under [conditions] in study.toml".to_owned(),
+        };
+        Err(self.problem(
+            "unknown-conditions",
+            format!("study.toml has no conditions `{conditions}`"),
+            text.conditions.span(),
+            &remedy,
+        ))
     }
 
     /// Of what judges runs, the reason why those without a verdict are missing at random.
@@ -331,7 +364,7 @@ impl Reader<'_> {
         if text.episodes.is_none() && text.recordings.is_none() && text.producer.is_none() {
             return Err(self.problem(
                 "bad-ledger",
-                format!("`{}` judges no runs, so none of them is undecided", text.id.get_ref()),
+                format!("`{}` judges no runs, so it has no undecided ones", text.id.get_ref()),
                 declared.span(),
                 "leave `undecided_at_random` out: it belongs to entries with `episodes` or `recordings`",
             ));
@@ -339,23 +372,24 @@ impl Reader<'_> {
         self.reason("undecided_at_random", &text.undecided_at_random)
     }
 
-    /// Only a formal model has constants, and only a fault tree basic events, that can be set; whether it has these is seen
-    /// when it is read.
+    /// Only a formal model has constants, and only a fault tree basic events, that can be set; whether it has these, and the numbers
+    /// that were solved for (`parameter`), is seen when it is read.
     fn constants_have_a_model(&self, text: &EntryText, work: &Work) -> Result<(), Problem> {
-        let constant = text.calibrated.iter().find_map(|c| c.constant.as_ref());
-        match (work.model().or(work.tree()), constant) {
-            (Some(_), _) | (None, None) => Ok(()),
-            (None, Some(constant)) => Err(self.problem(
-                "bad-calibration",
-                format!(
-                    "`{}` has no model, and so no constant `{}`",
-                    text.id.get_ref(),
-                    constant.get_ref()
-                ),
-                constant.span(),
-                "write `parameter = \"...\"` for a number that was set elsewhere than in a model",
-            )),
+        let id = text.id.get_ref();
+        let mut found = Problems::new();
+        let has_constants = work.model().or(work.tree()).is_some();
+        for calibrated in &text.calibrated {
+            match (&calibrated.constant, &calibrated.parameter) {
+                (Some(constant), _) if !has_constants => found.add(self.problem(
+                    "bad-calibration",
+                    format!("`{id}` has no model, and so no constant `{}`", constant.get_ref()),
+                    constant.span(),
+                    "write `parameter = \"...\"` for a number that was set elsewhere than in a model",
+                )),
+                (Some(_) | None, _) => {}
+            }
         }
+        found.or(())
     }
 
     fn independent(&self, text: &EntryText) -> Result<Independent, Problem> {
@@ -375,32 +409,49 @@ impl Reader<'_> {
         let own = text.id.get_ref();
         // Its own name says that its trials are independent of each other.
         let is_known = |id: &&String| *id == own || self.all.contains(*id);
-        if let Some(unknown) = independent.of.keys().find(|id| !is_known(id)) {
-            return Err(self.problem(
+        let mut found = Problems::new();
+        for unknown in independent.of.keys().filter(|id| !is_known(id)) {
+            let place = crate::placed::key_in(self.source, &given.span(), unknown);
+            let known = self.all.iter().map(String::as_str);
+            let remedy = match did_you_mean(unknown, known) {
+                Some(similar) => format!("did you mean `{similar}`?"),
+                None => "name the evidence of which this is independent: `independent = { E2 = \"reason\" }`".to_owned(),
+            };
+            found.add(self.problem(
                 "unknown-evidence",
-                format!("`independent` names `{unknown}`, which is not an entry of the ledger"),
-                given.span(),
-                "name the evidence of which this is independent: `independent = { E2 = \"reason\" }`",
+                format!("`independent` names `{unknown}`, but the ledger has no such entry"),
+                place.unwrap_or(given.span()),
+                &remedy,
             ));
         }
         let mut reasons = independent.of.values().chain(&independent.of_all);
         if reasons.any(|reason| reason.trim().is_empty()) {
-            return Err(self.problem(
+            found.add(self.problem(
                 "no-reason",
                 "`independent` gives no reason".into(),
                 given.span(),
                 "say where the numbers come from, for example `independent = { E2 = \"measured on another robot in 2019\" }`",
             ));
         }
-        Ok(independent)
+        found.or(independent)
     }
 
     pub(super) fn unknown_evidence(&self, id: &Spanned<String>) -> Problem {
+        let known = self.all.iter().map(String::as_str);
+        let similar = did_you_mean(id.get_ref(), known.filter(|it| it != id.get_ref()));
+        let remedy = match similar.filter(|_| !self.all.contains(id.get_ref())) {
+            Some(similar) => format!("did you mean `{similar}`?"),
+            None => "name an entry of this ledger; what calibrates another must stand before it"
+                .to_owned(),
+        };
         self.problem(
             "unknown-evidence",
-            format!("the ledger has no evidence `{}` there", id.get_ref()),
+            format!(
+                "the ledger has no evidence `{}` before this one",
+                id.get_ref()
+            ),
             id.span(),
-            "name an entry of this ledger; what calibrates another must stand before it",
+            &remedy,
         )
     }
 
@@ -429,18 +480,27 @@ impl Reader<'_> {
             }
         };
         if self.forms.of(&subject).is_none() {
+            let kind = match &subject {
+                Subject::Requirement(_) => "requirement",
+                Subject::FailureMode(_) => "failure mode",
+            };
+            let like = |it: &&crate::SubjectForm| {
+                std::mem::discriminant(&it.subject) == std::mem::discriminant(&subject)
+            };
+            let known = self.forms.subjects.iter().filter(like);
+            let remedy = match did_you_mean(named.get_ref(), known.map(|it| it.subject.id())) {
+                Some(similar) => format!("did you mean `{similar}`?"),
+                None => format!("name a {kind} of requirements.toml"),
+            };
             return Err(self.problem(
                 "unknown-subject",
-                format!(
-                    "requirements.toml declares no `{}` of this kind",
-                    named.get_ref()
-                ),
+                format!("requirements.toml has no {kind} `{}`", named.get_ref()),
                 named.span(),
-                "check the identifier",
+                &remedy,
             ));
         }
         let parameter = match (&text.parameter, &text.constant) {
-            (Some(parameter), None) => parameter.clone(),
+            (Some(parameter), None) => parameter.get_ref().clone(),
             (None, Some(constant)) => constant.get_ref().clone(),
             _ => {
                 return Err(self.problem(
@@ -484,13 +544,13 @@ impl Reader<'_> {
         let known = either.into_iter().find(|it| self.forms.of(it).is_some());
         known.ok_or_else(|| {
             let ids = self.forms.subjects.iter().map(|form| form.subject.id());
-            let remedy = match diagnostic::did_you_mean(id, ids) {
+            let remedy = match did_you_mean(id, ids) {
                 Some(similar) => format!("did you mean `{similar}`?"),
                 None => "name a requirement or a failure mode".to_owned(),
             };
             self.problem(
                 "unknown-subject",
-                format!("requirements.toml has no requirement and no failure mode `{id}`"),
+                format!("requirements.toml has neither a requirement nor a failure mode `{id}`"),
                 beside.span(),
                 &remedy,
             )
@@ -507,7 +567,10 @@ impl Reader<'_> {
             Some(path) => self.existing(path),
             None => Err(self.problem(
                 "missing-entry",
-                format!("the evidence `{}` names no `{what}`", text.id.get_ref()),
+                format!(
+                    "missing field `{what}` of the evidence `{}`",
+                    text.id.get_ref()
+                ),
                 text.id.span(),
                 &format!("add `{what} = \"…\"`"),
             )),
@@ -520,10 +583,33 @@ impl Reader<'_> {
         }
         Err(self.problem(
             "missing-file",
-            format!("the study has no file {}", path.get_ref().display()),
+            match self.folder.join(path.get_ref()).exists() {
+                true => format!("{} is not a file", path.get_ref().display()),
+                false => format!("the study has no file {}", path.get_ref().display()),
+            },
             path.span(),
-            "paths are relative to the study's folder",
+            &self.similar_file(path.get_ref()),
         ))
+    }
+}
+
+impl Reader<'_> {
+    /// A file of the same folder whose name is like the one that is missing.
+    fn similar_file(&self, path: &Path) -> String {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let files = std::fs::read_dir(self.folder.join(folder));
+        let files = files.into_iter().flatten().flatten();
+        let mut names: Vec<String> = files
+            .filter(|file| file.path().is_file())
+            .filter_map(|file| file.file_name().into_string().ok())
+            .collect();
+        names.sort();
+        let name = path.file_name().and_then(std::ffi::OsStr::to_str);
+        let similar = name.and_then(|name| did_you_mean(name, names.iter().map(String::as_str)));
+        match similar {
+            Some(similar) => format!("did you mean `{}`?", folder.join(similar).display()),
+            None => "paths are relative to the study's folder".to_owned(),
+        }
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::read::{EntryText, Reader, TablesText};
 use super::{CommandText, Method, Sampling, TreeEvent, Work};
-use diagnostic::Problem;
+use crate::placed::toml_place;
+use diagnostic::{Problem, Problems};
 use std::ops::Range;
 use std::path::PathBuf;
 use toml::Spanned;
@@ -147,11 +148,12 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 27] {
 }
 
 impl Reader<'_> {
-    pub(super) fn work(&self, text: &EntryText) -> Result<Work, Problem> {
+    /// The work of the entry that has this place in the ledger.
+    pub(super) fn work(&self, text: &EntryText, place: usize) -> Result<Work, Problem> {
         use evidence::Technique::{Experiment, FaultTree, ModelChecking, Operation, Simulation};
         if let Some(producer) = &text.producer {
             let work = other(text, producer, *text.technique.get_ref());
-            return self.no_other_keys(text, &work).map(|()| work);
+            return self.no_other_keys(text, place, &work).map(|()| work);
         }
         let work = match text.technique.get_ref() {
             ModelChecking => self.check(text),
@@ -164,51 +166,53 @@ impl Reader<'_> {
             technique @ (Simulation | Experiment) => self.read(text, *technique),
             Operation => self.judge(text, Operation),
         }?;
-        self.no_other_keys(text, &work)?;
+        self.no_other_keys(text, place, &work)?;
         Ok(work)
     }
 
     /// Refuses keys that say nothing about this work: whoever wrote them expects that they do.
-    fn no_other_keys(&self, text: &EntryText, work: &Work) -> Result<(), Problem> {
+    fn no_other_keys(&self, text: &EntryText, place: usize, work: &Work) -> Result<(), Problem> {
         let (what, used) = keys_of(work);
         let given = keys(text).into_iter();
-        let Some((key, span)) = given
-            .filter_map(|(key, span)| Some((key, span?)))
-            .find(|(key, _)| !used.contains(key))
-        else {
-            return Ok(());
-        };
-        let used: Vec<String> = used.iter().map(|key| format!("`{key}`")).collect();
-        let id = text.id.get_ref();
-        Err(self.problem(
-            "bad-ledger",
-            format!("`{id}` is {what}, which does not use `{key}`"),
-            span,
-            &format!("remove it; {what} uses {}", used.join(", ")),
-        ))
+        let given = given.filter_map(|(key, span)| span.is_some().then_some(key));
+        let all: Vec<String> = used.iter().map(|key| format!("`{key}`")).collect();
+        let (id, place) = (text.id.get_ref(), place.to_string());
+        let mut found = Problems::new();
+        for key in given.filter(|key| !used.contains(key)) {
+            found.add(self.problem(
+                "bad-ledger",
+                format!("`{id}` is {what}, which does not use `{key}`"),
+                toml_place(self.source, &["evidence", &place, key]),
+                &format!("remove it; {what} uses {}", all.join(", ")),
+            ));
+        }
+        found.or(())
     }
 
     fn check(&self, text: &EntryText) -> Result<Work, Problem> {
-        let model = self.file(text, "model", text.model.as_ref())?;
+        let mut found = Problems::new();
+        let model = found.keep(self.file(text, "model", text.model.as_ref()));
         let methods = match &text.methods {
             None => vec![Method::Sound],
-            Some(methods) if methods.get_ref().is_empty() => {
-                return Err(self.problem(
-                    "no-method",
-                    "`methods` is empty".into(),
-                    methods.span(),
-                    "leave it out for the sound method",
-                ));
-            }
             Some(methods) => methods.get_ref().clone(),
         };
-        Ok(Work::Check { model, methods })
+        if let Some(given) = text.methods.as_ref().filter(|_| methods.is_empty()) {
+            found.add(self.problem(
+                "no-method",
+                "`methods` is empty".into(),
+                given.span(),
+                "leave it out for the sound method",
+            ));
+        }
+        let model = model.unwrap_or_default();
+        found.or(Work::Check { model, methods })
     }
 
     fn fault_tree(&self, text: &EntryText) -> Result<Work, Problem> {
-        let tree = self.file(text, "tree", text.tree.as_ref())?;
+        let mut found = Problems::new();
+        let tree = found.keep(self.file(text, "tree", text.tree.as_ref()));
         let Some(events) = text.events.as_ref().filter(|it| !it.get_ref().is_empty()) else {
-            return Err(self.problem(
+            found.add(self.problem(
                 "missing-entry",
                 format!(
                     "the fault tree `{}` does not say of which requirement or failure mode it speaks",
@@ -218,31 +222,39 @@ impl Reader<'_> {
                 "add for example `events = { \"1\" = \"top\" }`: by requirement the event that violates it, by failure mode \
                  the event that it is",
             ));
+            return found.or(Work::FaultTree {
+                tree: tree.unwrap_or_default(),
+                mission_time: None,
+                events: Vec::new(),
+                is_triggered: false,
+            });
         };
-        let events = events.get_ref().iter();
-        let events = events.map(|(id, event)| {
+        let event = |(id, event): (&String, &Spanned<String>)| {
             Ok(TreeEvent {
                 subject: self.subject(id, event)?,
                 event: event.get_ref().clone(),
                 span: event.span(),
             })
-        });
+        };
+        let events = events.get_ref().iter();
+        let events = events.filter_map(|it| found.keep(event(it))).collect();
         let is_time = |it: &f64| it.is_finite() && *it >= 0.0;
         let mission_time = match &text.mission_time {
             Some(time) if !is_time(time.get_ref()) => {
-                return Err(self.problem(
+                found.add(self.problem(
                     "bad-ledger",
-                    format!("{} is not a time", time.get_ref()),
+                    format!("`mission_time` must be at least 0 (got {})", time.get_ref()),
                     time.span(),
-                    "write a number of at least 0, in the unit of the tree's rates",
+                    "write a time in the unit of the tree's rates",
                 ));
+                None
             }
             time => time.as_ref().map(|it| *it.get_ref()),
         };
-        Ok(Work::FaultTree {
-            tree,
+        found.or(Work::FaultTree {
+            tree: tree.unwrap_or_default(),
             mission_time,
-            events: events.collect::<Result<_, Problem>>()?,
+            events,
             is_triggered: text.triggered.as_ref().is_some_and(|it| *it.get_ref()),
         })
     }
@@ -253,7 +265,7 @@ impl Reader<'_> {
             self.problem(
                 "missing-entry",
                 format!(
-                    "the simulation `{}` does not say how many `episodes`",
+                    "missing field `episodes` of the simulation `{}`",
                     text.id.get_ref()
                 ),
                 text.id.span(),
@@ -263,9 +275,12 @@ impl Reader<'_> {
         if !(1..=10_000_000).contains(episodes.get_ref()) {
             return Err(self.problem(
                 "bad-episodes",
-                format!("{} is no number of episodes", episodes.get_ref()),
+                format!(
+                    "`episodes` must be between 1 and 10000000 (got {})",
+                    episodes.get_ref()
+                ),
                 episodes.span(),
-                "choose 1 to 10000000",
+                "write how many episodes are run",
             ));
         }
         Ok(*episodes.get_ref())
@@ -312,23 +327,24 @@ impl Reader<'_> {
                 "for example `command = [\"python3\", \"simulate.py\", \"{stimulus}\", \"{seed}\", \"{recording}\"]`",
             ));
         }
-        let assets = text.assets.iter().flatten().map(|path| self.existing(path));
+        let mut found = Problems::new();
+        let assets = text.assets.iter().flatten();
+        let stimulus = text.stimulus.as_ref();
         let command = CommandText {
             command: words,
-            assets: assets.collect::<Result<_, _>>()?,
-            stimulus: text
-                .stimulus
-                .as_ref()
-                .map(|it| self.existing(it))
-                .transpose()?,
-            leaves: self.leaves(text)?,
-            limit_secs: self.limit_secs(text)?,
+            assets: assets
+                .filter_map(|path| found.keep(self.existing(path)))
+                .collect(),
+            stimulus: stimulus.and_then(|path| found.keep(self.existing(path))),
+            leaves: found.keep(self.leaves(text)).unwrap_or_default(),
+            limit_secs: found.keep(self.limit_secs(text)).unwrap_or_default(),
             persistent,
         };
-        Ok(Work::Command {
+        let episodes = found.keep(self.episodes(text)).unwrap_or_default();
+        found.or(Work::Command {
             technique,
             command,
-            episodes: self.episodes(text)?,
+            episodes,
         })
     }
 
@@ -345,9 +361,9 @@ impl Reader<'_> {
         }
         Err(self.problem(
             "bad-command",
-            format!("`{extension}` is no extension of a file"),
+            format!("`leaves` must be letters, digits and dots (got `{extension}`)"),
             leaves.span(),
-            "name for example `mcap`, `bag`, `db3`, `csv` or `jsonl`; leave it empty for a folder",
+            "write the extension of its recordings, for example `mcap`, `bag`, `db3`, `csv` or `jsonl`; leave it empty for a folder",
         ))
     }
 
@@ -359,9 +375,12 @@ impl Reader<'_> {
             }
             Some(limit) => Err(self.problem(
                 "bad-command",
-                format!("{} s is no limit for an episode", limit.get_ref()),
+                format!(
+                    "`limit_secs` must be more than 0 and at most 1000000 (got {})",
+                    limit.get_ref()
+                ),
                 limit.span(),
-                "choose seconds of real time above 0, at most 1000000",
+                "write the seconds of real time after which an episode is ended",
             )),
         }
     }
@@ -376,7 +395,7 @@ impl Reader<'_> {
             return Err(self.problem(
                 "unknown-evidence",
                 format!(
-                    "`seeds` names `{}`, which is no other entry of the ledger",
+                    "`seeds` must name another entry of the ledger (got `{}`)",
                     of.get_ref()
                 ),
                 of.span(),
@@ -429,13 +448,22 @@ impl Reader<'_> {
     }
 
     fn simulate(&self, text: &EntryText) -> Result<Work, Problem> {
-        let episodes = self.episodes(text)?;
+        let mut found = Problems::new();
+        let episodes = found.keep(self.episodes(text)).unwrap_or_default();
         if let Some(scene) = &text.scene {
-            return self.simulate_scene(text, scene, episodes);
+            let work = found.keep(self.simulate_scene(text, scene, episodes));
+            return found.or(work.unwrap_or(Work::SimulateScene {
+                scene: PathBuf::new(),
+                test: None,
+                episodes,
+            }));
         }
-        Ok(Work::Simulate {
-            scenario: self.file(text, "scenario", text.scenario.as_ref())?,
-            parameters: self.file(text, "parameters", text.parameters.as_ref())?,
+        let scenario = self.file(text, "scenario", text.scenario.as_ref());
+        let parameters = self.file(text, "parameters", text.parameters.as_ref());
+        let (scenario, parameters) = (found.keep(scenario), found.keep(parameters));
+        found.or(Work::Simulate {
+            scenario: scenario.unwrap_or_default(),
+            parameters: parameters.unwrap_or_default(),
             episodes,
         })
     }
@@ -487,31 +515,36 @@ impl Reader<'_> {
         let Some(tables) = &text.tables else {
             return Err(self.problem(
                 "missing-entry",
-                format!("the experiment `{}` names no tables", text.id.get_ref()),
+                format!("missing field `tables` of the experiment `{}`", text.id.get_ref()),
                 text.id.span(),
                 "add `tables.cohort`, `tables.requirements` or `tables.failure_modes`, or `recordings`",
             ));
         };
         let span = tables.span();
         let tables = tables.get_ref();
-        let file =
-            |path: &Option<Spanned<PathBuf>>| path.as_ref().map(|p| self.existing(p)).transpose();
+        let mut found = Problems::new();
         let given = [&tables.cohort, &tables.requirements, &tables.failure_modes];
         if given.iter().all(|path| path.is_none()) {
             return Err(self.problem(
                 "missing-entry",
-                "`tables` names no table".into(),
+                "`tables` is empty".into(),
                 span,
                 "add `cohort`, `requirements` or `failure_modes`",
             ));
         }
-        let one_for_all = self.declared_for_all(tables)?;
-        Ok(Work::Read {
+        let one_for_all = found.keep(self.declared_for_all(tables)).flatten();
+        let mut file = |path: &Option<Spanned<PathBuf>>| {
+            path.as_ref()
+                .and_then(|path| found.keep(self.existing(path)))
+        };
+        let (cohort, requirements) = (file(&tables.cohort), file(&tables.requirements));
+        let failure_modes = file(&tables.failure_modes);
+        found.or(Work::Read {
             technique,
             one_for_all,
-            cohort: file(&tables.cohort)?,
-            requirements: file(&tables.requirements)?,
-            failure_modes: file(&tables.failure_modes)?,
+            cohort,
+            requirements,
+            failure_modes,
         })
     }
 
@@ -543,7 +576,7 @@ impl Reader<'_> {
         if tables.cohort.is_none() {
             return Err(self.problem(
                 "one-for-all",
-                "`one_for_all` speaks of a cohort, and there is none".into(),
+                "`one_for_all` needs a table `cohort`".into(),
                 because.span(),
                 "add `cohort`, or leave `one_for_all` out: a total does not say whose trials it counts",
             ));

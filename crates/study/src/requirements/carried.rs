@@ -14,7 +14,7 @@
 
 use super::Forms;
 use crate::Entry;
-use diagnostic::{Problem, did_you_mean};
+use diagnostic::{Problem, Problems, did_you_mean};
 use evidence::{CarryOver, Requirement, Step, Subject};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -56,18 +56,18 @@ impl Forms {
         &self,
         requirements: &mut [Requirement],
         ledger: &[Entry],
-    ) -> Result<(), Problem> {
+        found: &mut Problems,
+    ) {
         for requirement in requirements {
             let form = self.by_id(&requirement.id);
             let places = form.map_or(&[][..], |form| &form.carried_at);
             for (declared, place) in requirement.carries_over.iter_mut().zip(places) {
-                self.check_carried(declared, place, ledger)?;
+                found.keep(self.check_carried(declared, place, ledger));
                 if let Some(form) = self.by_id(declared.on.id()) {
                     declared.on = form.subject.clone();
                 }
             }
         }
-        Ok(())
     }
 
     fn check_carried(

@@ -16,24 +16,6 @@ use crate::sentence_form::SentenceForm;
 /// Two times that are the same, written in other units.
 const SAME: f64 = 1e-9;
 
-/// Words for units of time, with their seconds.
-const UNITS: [(&str, f64); 14] = [
-    ("ms", 1e-3),
-    ("millisecond", 1e-3),
-    ("milliseconds", 1e-3),
-    ("s", 1.0),
-    ("sec", 1.0),
-    ("secs", 1.0),
-    ("second", 1.0),
-    ("seconds", 1.0),
-    ("min", 60.0),
-    ("minute", 60.0),
-    ("minutes", 60.0),
-    ("h", 3600.0),
-    ("hour", 3600.0),
-    ("hours", 3600.0),
-];
-
 /// A duration in a text: its seconds, and its place.
 type Said = (f64, Range<usize>);
 
@@ -109,9 +91,8 @@ fn said(text: &str) -> Vec<Said> {
         let end = word
             .find(|c: char| !c.is_alphanumeric() && c != '/' && c != '^')
             .unwrap_or(word.len());
-        let unit = UNITS.iter().find(|(unit, _)| *unit == &word[..end]);
-        if let (true, Ok(number), Some((_, scale))) = (is_own, rest[..length].parse::<f64>(), unit)
-        {
+        let unit = trace::duration::unit_secs(&word[..end]);
+        if let (true, Ok(number), Some(scale)) = (is_own, rest[..length].parse::<f64>(), unit) {
             found.push((number * scale, start..at + gap + end));
         }
     }

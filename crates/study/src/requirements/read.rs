@@ -7,8 +7,8 @@ use super::{FormText, Forms, ReadingForm, SubjectForm, TriggerForm};
 use crate::judging_form::{JudgingForm, JudgingText, Rule};
 use crate::sentence_form::{SentenceForm, SentenceReader};
 use crate::{About, StudyParameters, Vocabulary};
-use diagnostic::{Problem, Source, did_you_mean};
-use evidence::{FailureMode, Requirement, Step, Subject};
+use diagnostic::{Problem, Problems, Source, did_you_mean};
+use evidence::{DEFAULT_MARGIN, FailureMode, Requirement, Step, Subject};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -44,7 +44,7 @@ struct RequirementText {
     /// An earlier requirement whose sentence, property and monitor it shares; only its text and threshold are its own.
     #[schemars(with = "Option<String>")]
     same_as: Option<Spanned<String>>,
-    /// The difference of two probabilities that still counts as agreement, between 0 and 1.
+    /// The difference of two probabilities that still counts as agreement, between 0 and 1; 0.05, if absent.
     #[schemars(with = "Option<f64>")]
     margin: Option<Spanned<f64>>,
     /// The sentence in structured English from which the other forms are made (`corroborate explain sentence`).
@@ -131,7 +131,7 @@ struct FailureModeText {
     name: String,
     /// What happens, in words.
     meaning: String,
-    /// The difference of two rates that still counts as agreement, between 0 and 1.
+    /// The difference of two rates that still counts as agreement, between 0 and 1; 0.05, if absent.
     #[schemars(with = "Option<f64>")]
     margin: Option<Spanned<f64>>,
     /// The proposition of the vocabulary whose column counts it in tables of experiments.
@@ -168,24 +168,38 @@ pub(crate) fn schema() -> schemars::Schema {
     schemars::schema_for!(File)
 }
 
-/// Reads `requirements.toml` and checks it against the vocabulary.
+/// Reads `requirements.toml` and checks it against the vocabulary. Mistakes are added to those that were found; a form that has
+/// one is left out.
 pub fn load(
     folder: &Path,
     vocabulary: &Vocabulary,
     parameters: &StudyParameters,
     about: &About,
-) -> Result<(Vec<Requirement>, Vec<FailureMode>, Forms), Problem> {
-    let source = host::files::read_source(&folder.join("requirements.toml"))?;
-    let file: File = crate::toml_text::read(&source)?;
+    found: &mut Problems,
+) -> (Vec<Requirement>, Vec<FailureMode>, Forms) {
+    let path = folder.join("requirements.toml");
+    let source = host::files::read_source(&path);
+    let source = found.keep(source);
+    let file: Option<File> = source
+        .as_ref()
+        .and_then(|source| crate::toml_text::read_on(source, found));
+    let source = source.unwrap_or_else(|| Source::new(path.display().to_string(), ""));
+    let Some(file) = file else {
+        found.lose_names();
+        let subjects = Vec::new();
+        return (Vec::new(), Vec::new(), Forms { source, subjects });
+    };
     if file.requirement.is_empty() {
-        return Err(Problem::new(
-            "no-requirements",
-            format!(
-                "{} has no requirement, so there is nothing to verify",
-                source.name
-            ),
-        )
-        .remedy("add a [[requirement]] with `id`, `text`, and a sentence in `shall`, a `property` or a `monitor`"));
+        // Who names one follows from that.
+        found.lose_names();
+        found.add(
+            Problem::new(
+                "no-requirements",
+                "the study has no requirement, so there is nothing to verify",
+            )
+            .at(&source, 0..0)
+            .remedy("add a [[requirement]] with `id`, `text`, and a sentence in `shall`, a `property` or a `monitor`"),
+        );
     }
     let step_secs = about.model.step_secs();
     let reader = Reader {
@@ -203,18 +217,18 @@ pub fn load(
     let mut subjects: Vec<SubjectForm> = Vec::new();
     let mut requirements = Vec::new();
     for text in file.requirement {
-        let (requirement, form) = reader.requirement(text, &subjects, &requirements)?;
+        let (requirement, form) = reader.requirement(text, &subjects, &requirements, found);
         requirements.push(requirement);
         subjects.push(form);
     }
     let mut failure_modes = Vec::new();
     for text in file.failure_mode {
-        let (mode, form) = reader.failure_mode(text, &subjects)?;
+        let (mode, form) = reader.failure_mode(text, &subjects, found);
         failure_modes.push(mode);
         subjects.push(form);
     }
     let forms = Forms { source, subjects };
-    Ok((requirements, failure_modes, forms))
+    (requirements, failure_modes, forms)
 }
 
 pub(super) struct Reader<'a> {
@@ -231,10 +245,12 @@ impl Reader<'_> {
         text: RequirementText,
         before: &[SubjectForm],
         requirements: &[Requirement],
-    ) -> Result<(Requirement, SubjectForm), Problem> {
-        self.check_new(&text.id, before)?;
+        found: &mut Problems,
+    ) -> (Requirement, SubjectForm) {
+        found.keep(self.check_new(&text.id, before));
         let id = text.id.get_ref().clone();
-        let same = self.same_as(&text, before, requirements)?;
+        let same = self.same_as(&text, before, requirements);
+        let same = found.keep(same).flatten();
         let judging = JudgingText::new(
             text.monitor,
             text.formula,
@@ -243,21 +259,13 @@ impl Reader<'_> {
             text.clock,
             text.start_within_secs,
         );
-        let sentence = match (text.shall, text.template) {
-            (Some(_), Some(template)) => {
-                return Err(Problem::new(
-                    "two-sentences",
-                    "a requirement has its own sentence or one of the library, not both",
-                )
-                .at(self.source, template.span())
-                .remedy("remove `shall` or `template`"));
-            }
-            (Some(shall), None) => Some(self.sentences.read(shall, &judging)?),
-            (None, Some(template)) => Some(self.sentences.of_library(&template, &judging)?),
-            (None, None) => None,
-        };
-        let written = judging.compile(self.source, self.vocabulary)?;
-        let threshold = self.required(text.threshold, sentence.as_ref())?;
+        let sentence = self.sentence(text.shall, text.template, &judging);
+        let sentence = found.keep(sentence).flatten();
+        let written = judging.compile(self.source, self.vocabulary);
+        let written = found.keep(written).flatten();
+        let threshold = self.required(text.threshold, sentence.as_ref());
+        let threshold = found.keep(threshold).flatten();
+        let parameters = self.declared(text.parameters, sentence.as_ref());
         let mut form = SubjectForm {
             subject: Subject::Requirement(id.clone()),
             span: text.id.span(),
@@ -268,9 +276,9 @@ impl Reader<'_> {
             monitored: TriggerForm::Always,
             monitor: written,
             no_monitor: None,
-            parameters: self.declared(text.parameters, sentence.as_ref())?,
-            readings: self.readings(text.reading)?,
-            experiment: self.experiment(text.experiment)?,
+            parameters: found.keep(parameters).unwrap_or_default(),
+            readings: self.readings(text.reading, found),
+            experiment: found.keep(self.experiment(text.experiment)).flatten(),
             carried_at: text.carries_over.iter().map(Spanned::span).collect(),
             other_rate: None,
             other_duration: None,
@@ -278,7 +286,8 @@ impl Reader<'_> {
         };
         form.complete_from_sentence();
         form.monitored = self.monitored(&form);
-        form.trigger = self.trigger(&form, text.trigger)?;
+        let trigger = self.trigger(&form, text.trigger);
+        form.trigger = found.keep(trigger).unwrap_or(TriggerForm::Always);
         if let Some((_, other)) = &same {
             form = SubjectForm {
                 subject: form.subject,
@@ -291,7 +300,7 @@ impl Reader<'_> {
         form.other_duration = form.sentence.as_ref().and_then(|sentence| {
             other_duration(self.source, &text.text, sentence, self.sentences.step_secs)
         });
-        self.check_property(&form)?;
+        self.check_property(&mut form, found);
         let carries_over = carried(text.carries_over, &id);
         let requirement = Requirement {
             id,
@@ -307,13 +316,33 @@ impl Reader<'_> {
             trigger: super::trigger::in_words(&form),
             margin: match (&same, text.margin) {
                 (Some((first, _)), None) => first.margin,
-                (_, margin) => self.margin(margin)?,
+                (_, margin) => found.keep(self.margin(margin)).unwrap_or(DEFAULT_MARGIN),
             },
             same_quantity_as: same.map(|(first, _)| first.id.clone()),
             needs: text.needs.unwrap_or(self.needs),
             carries_over,
         };
-        Ok((requirement, form))
+        (requirement, form)
+    }
+
+    /// The requirement's own sentence, or the one of the library.
+    fn sentence(
+        &self,
+        shall: Option<Spanned<String>>,
+        template: Option<Spanned<String>>,
+        judging: &JudgingText,
+    ) -> Result<Option<SentenceForm>, Problem> {
+        match (shall, template) {
+            (Some(_), Some(template)) => Err(Problem::new(
+                "two-sentences",
+                "a requirement has its own sentence or one of the library, not both",
+            )
+            .at(self.source, template.span())
+            .remedy("remove `shall` or `template`")),
+            (Some(shall), None) => self.sentences.read(shall, judging).map(Some),
+            (None, Some(template)) => self.sentences.of_library(&template, judging).map(Some),
+            (None, None) => Ok(None),
+        }
     }
 
     fn same_as<'b>(
@@ -346,12 +375,20 @@ impl Reader<'_> {
             .zip(before)
             .find(|(requirement, _)| &requirement.id == same.get_ref());
         found.map(Some).ok_or_else(|| {
+            let known = requirements.iter().map(|it| it.id.as_str());
+            let remedy = match did_you_mean(same.get_ref(), known) {
+                Some(similar) => format!("did you mean `{similar}`?"),
+                None => "name a requirement that stands earlier in the file".to_owned(),
+            };
             Problem::new(
                 "unknown-requirement",
-                format!("no requirement `{}` stands before this one", same.get_ref()),
+                format!(
+                    "`same_as` names `{}`, but no requirement before this one has that id",
+                    same.get_ref()
+                ),
             )
             .at(self.source, same.span())
-            .remedy("name a requirement that stands earlier in the file")
+            .remedy(remedy)
         })
     }
 
@@ -359,8 +396,9 @@ impl Reader<'_> {
         &self,
         text: FailureModeText,
         before: &[SubjectForm],
-    ) -> Result<(FailureMode, SubjectForm), Problem> {
-        self.check_new(&text.id, before)?;
+        found: &mut Problems,
+    ) -> (FailureMode, SubjectForm) {
+        found.keep(self.check_new(&text.id, before));
         let id = text.id.get_ref().clone();
         let judging = JudgingText::new(
             text.monitor,
@@ -370,6 +408,7 @@ impl Reader<'_> {
             text.clock,
             text.start_within_secs,
         );
+        let monitor = judging.compile(self.source, self.vocabulary);
         let mut form = SubjectForm {
             subject: Subject::FailureMode(id.clone()),
             span: text.id.span(),
@@ -379,27 +418,29 @@ impl Reader<'_> {
             opportunity: text.opportunity.map(form_text),
             trigger: TriggerForm::Always,
             monitored: TriggerForm::Always,
-            monitor: judging.compile(self.source, self.vocabulary)?,
+            monitor: found.keep(monitor).flatten(),
             no_monitor: None,
             parameters: Vec::new(),
             readings: Vec::new(),
-            experiment: self.experiment(text.experiment)?,
+            experiment: found.keep(self.experiment(text.experiment)).flatten(),
             carried_at: Vec::new(),
             other_rate: None,
             other_duration: None,
         };
-        self.check_property(&form)?;
+        self.check_property(&mut form, found);
         form.monitored = self.monitored(&form);
         if form.opportunity.is_none() {
-            form.trigger = self.trigger(&form, None)?;
+            form.trigger = form.monitored.clone();
         }
         let mode = FailureMode {
             id,
             name: text.name,
             meaning: text.meaning,
-            margin: self.margin(text.margin)?,
+            margin: found
+                .keep(self.margin(text.margin))
+                .unwrap_or(DEFAULT_MARGIN),
         };
-        Ok((mode, form))
+        (mode, form)
     }
 
     fn check_new(&self, id: &Spanned<String>, before: &[SubjectForm]) -> Result<(), Problem> {
@@ -420,19 +461,22 @@ impl Reader<'_> {
         named: Vec<Spanned<String>>,
         sentence: Option<&SentenceForm>,
     ) -> Result<Vec<String>, Problem> {
+        let mut found = Problems::new();
         for name in &named {
             if self.parameters.values.get(name.get_ref()).is_none() {
                 let known = self.parameters.declared.keys().map(String::as_str);
                 let similar = did_you_mean(name.get_ref(), known);
-                return Err(Problem::new(
-                    "unknown-parameter",
-                    format!("parameters.toml declares no `{}`", name.get_ref()),
-                )
-                .at(self.source, name.span())
-                .remedy(match similar {
-                    Some(similar) => format!("did you mean `{similar}`?"),
-                    None => "declare it with a value and a meaning".into(),
-                }));
+                found.add(
+                    Problem::new(
+                        "unknown-parameter",
+                        format!("`{}` is not declared in parameters.toml", name.get_ref()),
+                    )
+                    .at(self.source, name.span())
+                    .remedy(match similar {
+                        Some(similar) => format!("did you mean `{similar}`?"),
+                        None => "declare it with a value and a meaning".into(),
+                    }),
+                );
             }
         }
         let mut all: Vec<String> = named.into_iter().map(Spanned::into_inner).collect();
@@ -441,7 +485,7 @@ impl Reader<'_> {
         }
         all.sort();
         all.dedup();
-        Ok(all)
+        found.or(all)
     }
 
     fn experiment(&self, name: Option<Spanned<String>>) -> Result<Option<String>, Problem> {
@@ -470,7 +514,11 @@ impl Reader<'_> {
         Ok(Some(name.into_inner()))
     }
 
-    fn readings(&self, texts: BTreeMap<String, ReadingText>) -> Result<Vec<ReadingForm>, Problem> {
+    fn readings(
+        &self,
+        texts: BTreeMap<String, ReadingText>,
+        found: &mut Problems,
+    ) -> Vec<ReadingForm> {
         let mut readings = Vec::new();
         for (name, text) in texts {
             let judging = JudgingText::new(
@@ -481,13 +529,19 @@ impl Reader<'_> {
                 text.clock,
                 text.start_within_secs,
             );
-            let Some(monitor) = judging.compile(self.source, self.vocabulary)? else {
-                return Err(Problem::new(
-                    "no-monitor",
-                    format!("the reading `{name}` does not say how it judges traces"),
-                )
-                .at(self.source, text.meaning.span())
-                .remedy("give it a `monitor` or a `formula`"));
+            let Some(monitor) = found.keep(judging.compile(self.source, self.vocabulary)) else {
+                continue;
+            };
+            let Some(monitor) = monitor else {
+                found.add(
+                    Problem::new(
+                        "no-monitor",
+                        format!("the reading `{name}` does not say how it judges traces"),
+                    )
+                    .at(self.source, text.meaning.span())
+                    .remedy("give it a `monitor` or a `formula`"),
+                );
+                continue;
             };
             readings.push(ReadingForm {
                 name,
@@ -495,17 +549,19 @@ impl Reader<'_> {
                 monitor,
             });
         }
-        Ok(readings)
+        readings
     }
 
     /// Checks that the labels of the property are propositions with a binding
-    /// to the model. Its syntax is checked with the model, which gives types.
-    fn check_property(&self, form: &SubjectForm) -> Result<(), Problem> {
-        let written = form.property.iter().chain(&form.opportunity);
-        for text in written.filter(|text| !text.from_sentence) {
-            self.check_property_text(text)?;
+    /// to the model, and leaves out those that are not. Its syntax is checked with the model, which gives types.
+    fn check_property(&self, form: &mut SubjectForm, found: &mut Problems) {
+        for written in [&mut form.property, &mut form.opportunity] {
+            let by_hand = written.as_ref().filter(|text| !text.from_sentence);
+            let checked = by_hand.map_or(Ok(()), |text| self.check_property_text(text));
+            if found.keep(checked).is_none() {
+                *written = None;
+            }
         }
-        Ok(())
     }
 
     /// Checks a property's text, and that its propositions are bound to models.
@@ -514,24 +570,27 @@ impl Reader<'_> {
         if let Some(problem) = self.shifted(text, &parsed.diagnostics) {
             return Err(problem);
         }
+        let mut found = Problems::new();
         for (name, span) in quoted_names(&text.text) {
             let place = text.span.start + span.start..text.span.start + span.end;
             let proposition = self
                 .vocabulary
-                .proposition(&name, self.source, place.clone())?;
-            if proposition.model.is_none() {
-                return Err(Problem::new(
-                    "unbound-proposition",
-                    format!("the property uses \"{name}\", which is not bound to the model"),
-                )
-                .at(self.source, place)
-                .remedy(format!(
-                    "give [{name}] a `model = \"…\"` in {}",
-                    self.vocabulary.source.name
-                )));
+                .proposition(&name, self.source, place.clone());
+            if found.keep(proposition).is_some_and(|it| it.model.is_none()) {
+                found.add(
+                    Problem::new(
+                        "unbound-proposition",
+                        format!("the property uses \"{name}\", which is not bound to the model"),
+                    )
+                    .at(self.source, place)
+                    .remedy(format!(
+                        "give [{name}] a `model = \"…\"` in {}",
+                        self.vocabulary.source.name
+                    )),
+                );
             }
         }
-        Ok(())
+        found.or(())
     }
 
     /// Diagnostics of a property inside this file, at their place in the file.

@@ -170,7 +170,10 @@ fn stated(text: &str) -> Option<Stated> {
         let mut words = part.split(|it: char| !it.is_alphabetic() && it != '\'');
         words.any(|word| NEGATIONS.contains(&word.to_lowercase().as_str()))
     };
-    if is_negated(&text[..begin]) || is_negated(&text[sign.end..]) {
+    // Behind the rate it says of what it is one, which its complement allows for ("at most 5 % of runs never end"), unless what is
+    // told is too much.
+    let mut behind = text[sign.end..].split(|it: char| !it.is_alphabetic());
+    if is_negated(&text[..begin]) || behind.any(|word| word == "too") {
         return None;
     }
     let value = percent / 100.0;
@@ -261,6 +264,16 @@ mod tests {
         ] {
             assert_eq!(warned(text, None), None, "{text}");
         }
+    }
+
+    #[test]
+    fn a_negation_behind_the_rate_is_of_what_is_counted() {
+        let text = "At least 60 % of visits are finished without being given up.";
+        let of = |direction, value| Some(Threshold { direction, value });
+        // Whether the requirement is about those that are or those that are not.
+        assert_eq!(warned(text, of(Direction::AtLeast, 0.6)), None);
+        assert_eq!(warned(text, of(Direction::AtMost, 0.4)), None);
+        assert!(warned(text, of(Direction::AtMost, 0.6)).is_some());
     }
 
     #[test]

@@ -3,12 +3,9 @@
 use super::read::Reader;
 use crate::sentence_form::SentenceForm;
 use diagnostic::Problem;
-use evidence::{Direction, Threshold};
+use evidence::{DEFAULT_MARGIN, Direction, Threshold};
 use requirement_lang::sentence::Comparison;
 use toml::Spanned;
-
-/// Difference of two rates that counts as agreement where none is declared.
-const DEFAULT_MARGIN: f64 = 0.05;
 
 impl Reader<'_> {
     pub(super) fn margin(&self, margin: Option<Spanned<f64>>) -> Result<f64, Problem> {
@@ -21,17 +18,20 @@ impl Reader<'_> {
         }
         Err(Problem::new(
             "bad-margin",
-            format!("the margin {value} is no difference between two rates"),
+            format!("`margin` must be between 0 and 1 (got {value})"),
         )
         .at(self.source, margin.span())
-        .remedy("choose a margin between 0 and 1, for example 0.05 for 5 points"))
+        .remedy("write the difference of two rates that still counts as agreement, for example 0.05 for 5 points"))
     }
 
     fn threshold(&self, text: &Spanned<String>) -> Result<Threshold, Problem> {
         parse_threshold(text.get_ref()).ok_or_else(|| {
             Problem::new(
                 "bad-threshold",
-                format!("`{}` is no threshold for a probability", text.get_ref()),
+                format!(
+                    "`threshold` must be `at least` or `at most` a probability (got `{}`)",
+                    text.get_ref()
+                ),
             )
             .at(self.source, text.span())
             .remedy("write for example \"at least 0.95\" or \"at most 0.01\", between 0 and 1")

@@ -4,7 +4,8 @@
 //! Traces count a requirement where its monitor was triggered. The same runs of a model are those that satisfy the path
 //! formula of the trigger: what the study writes as `trigger`; else, of a monitor in stages, `F when`; of a formula `G
 //! (a => b)`, `F a` (what the formula's monitor counts, [`Formula::trigger`]); of a monitor that is made from a sentence,
-//! that the sentence's trigger is reached (`requirement_lang::compile::goal`). A failure mode is triggered by its
+//! that the sentence's trigger is reached (`requirement_lang::compile::goal`); of a requirement that has neither, but a
+//! property `P=? [ G (a => b) ]`, `F a` with the bound of its `G`. A failure mode is triggered by its
 //! opportunity, and where none is written by what triggers its monitor.
 //!
 //! # Guarantee
@@ -16,6 +17,8 @@ use super::{FormText, SubjectForm, quoted_names};
 use crate::Vocabulary;
 use crate::judging_form::{JudgingForm, Rule};
 use diagnostic::Problem;
+use evidence::Subject;
+use prism_lang::ast::{BinaryOp, Expr, ExprKind, TemporalOp};
 use std::collections::BTreeSet;
 use temporal::formula::{AtomText, Formula};
 use toml::Spanned;
@@ -69,8 +72,78 @@ impl Reader<'_> {
                 Ok(None) => TriggerForm::Always,
                 Err(reason) => TriggerForm::Unknown(reason),
             },
-            (None, None) => TriggerForm::Always,
+            (None, None) => match (&form.subject, &form.property) {
+                (Subject::Requirement(_), Some(property)) => {
+                    of_property(&property.text).map_or(TriggerForm::Always, place)
+                }
+                (Subject::Requirement(_), None) | (Subject::FailureMode(_), _) => {
+                    TriggerForm::Always
+                }
+            },
         }
+    }
+}
+
+/// That the premise of a property of the form `P=? [ G (a => b) ]` becomes true within the bound of its `G`, as a property; of
+/// a conjunction, the premise that all have.
+fn of_property(text: &str) -> Option<String> {
+    let parsed = prism_lang::parse_properties(text);
+    let property = parsed.tree.properties.first()?;
+    let ExprKind::Probability {
+        path,
+        condition: None,
+        ..
+    } = &property.formula.kind
+    else {
+        return None;
+    };
+    Some(format!("P=? [ {} ]", premise(path)?))
+}
+
+fn premise(path: &Expr) -> Option<Expr> {
+    match &path.kind {
+        ExprKind::Temporal {
+            operator: TemporalOp::Globally,
+            bound,
+            left: None,
+            right: body,
+        } => {
+            let ExprKind::Binary(BinaryOp::Implies, premise, _) = &body.kind else {
+                return None;
+            };
+            is_of_state(premise).then(|| Expr {
+                kind: ExprKind::Temporal {
+                    operator: TemporalOp::Finally,
+                    bound: bound.clone(),
+                    left: None,
+                    right: premise.clone(),
+                },
+                span: path.span,
+            })
+        }
+        ExprKind::Binary(BinaryOp::And, left, right) => {
+            let (left, right) = (premise(left)?, premise(right)?);
+            (left.to_string() == right.to_string()).then_some(left)
+        }
+        _ => None,
+    }
+}
+
+/// Whether an expression of a property speaks of one state alone.
+fn is_of_state(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Bool(_)
+        | ExprKind::Int(_)
+        | ExprKind::Double(_)
+        | ExprKind::Name(_)
+        | ExprKind::Label(_) => true,
+        ExprKind::Unary(_, operand) => is_of_state(operand),
+        ExprKind::Binary(_, left, right) => is_of_state(left) && is_of_state(right),
+        ExprKind::IfThenElse(condition, then, otherwise) => [condition, then, otherwise]
+            .into_iter()
+            .all(|it| is_of_state(it)),
+        ExprKind::Call(_, operands) => operands.iter().all(is_of_state),
+        _ => false,
     }
 }
 
@@ -186,6 +259,29 @@ fn in_model(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_property_of_a_response_is_triggered_by_its_premise() {
+        for (property, trigger) in [
+            ("P=? [ G (\"near\" => \"slow\") ]", Some("F \"near\"")),
+            (
+                "P=? [ G<=8 (\"a\" & !\"b\" => (F<=2 \"c\")) ]",
+                Some("F<=8 (\"a\" & !\"b\")"),
+            ),
+            (
+                "Pmin=? [ (G (\"a\" => (X \"b\"))) & (G (\"a\" => \"c\")) ]",
+                Some("F \"a\""),
+            ),
+            ("P=? [ (G (\"a\" => \"b\")) & (G (\"c\" => \"d\")) ]", None),
+            ("P=? [ G ((F \"a\") => \"b\") ]", None),
+            ("P=? [ G (\"a\" => \"b\") || F \"c\" ]", None),
+            ("P=? [ F (\"a\" => \"b\") ]", None),
+            ("P=? [ G \"ok\" ]", None),
+        ] {
+            let expected = trigger.map(|path| format!("P=? [ {path} ]"));
+            assert_eq!(of_property(property), expected, "{property}");
+        }
+    }
 
     #[test]
     fn a_trigger_that_is_one_proposition_is_called_by_its_name() {

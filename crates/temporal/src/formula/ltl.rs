@@ -58,7 +58,7 @@ impl fmt::Display for StepError {
                 "a step cannot last {secs} s; give a duration of more than 0 s"
             ),
             StepError::Next => out.write_str(
-                "\"X\" speaks of the next step, which a trace in seconds does not show; use a bounded \
+                "\"X\" means the next step, which a trace in seconds does not show; use a bounded \
                  \"F\" or \"G\", or judge the trace by samples",
             ),
             StepError::Bound { steps } => write!(

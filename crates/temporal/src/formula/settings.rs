@@ -148,7 +148,7 @@ impl fmt::Display for CompileError {
             ),
             CompileError::SamplesInDenseTime { what } => write!(
                 out,
-                "{what} speaks of samples, which dense time does not know; use seconds, or \
+                "{what} counts samples, which dense time does not have; use seconds, or \
                  discrete time"
             ),
             CompileError::FractionOfSample { value } => write!(

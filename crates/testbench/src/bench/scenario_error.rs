@@ -40,7 +40,8 @@ impl ScenarioError {
     ///
     /// # Errors
     /// The one error, or [`ScenarioError::Several`].
-    pub fn all(mut found: Vec<ScenarioError>) -> Result<(), ScenarioError> {
+    pub fn all(found: Vec<ScenarioError>) -> Result<(), ScenarioError> {
+        let mut found: Vec<ScenarioError> = found.into_iter().flat_map(Self::each).collect();
         match found.len() {
             0 => Ok(()),
             1 => Err(found.remove(0)),
@@ -48,7 +49,15 @@ impl ScenarioError {
         }
     }
 
-    /// A value out of range: its key, and what is wrong with it, so that the message reads "the value of `key` ...".
+    /// It, or all of several.
+    fn each(self) -> Vec<ScenarioError> {
+        match self {
+            Self::Several(all) => all,
+            one => vec![one],
+        }
+    }
+
+    /// A value out of range: its key, and what is wrong with it, so that the message reads "`key` must ...".
     #[must_use]
     pub fn value(key: &str, problem: &str) -> Self {
         Self::Value {
@@ -67,15 +76,12 @@ impl fmt::Display for ScenarioError {
             }
             Self::Syntax { reason } => write!(f, "the scenario cannot be read: {reason}"),
             Self::Value { key, problem } => {
-                write!(
-                    f,
-                    "the value of `{key}` {problem}; correct it in the scenario's file"
-                )
+                write!(f, "`{key}` {problem}")
             }
             Self::Description { file, reason } => write!(f, "{file}: {reason}"),
             Self::UnknownName { key, name } => write!(
                 f,
-                "`{key}` names `{name}`, which the scenario does not define; correct the name or add it"
+                "`{key}` names `{name}`, which the scenario does not define"
             ),
         }
     }

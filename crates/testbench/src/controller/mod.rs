@@ -270,7 +270,10 @@ impl fmt::Display for ControllerError {
             ),
             Self::Failed { message } => write!(f, "the controller failed: {message}"),
             Self::Output { what, known } if known.is_empty() => {
-                write!(f, "the controller gives {what}; there is none in the scene")
+                write!(
+                    f,
+                    "the controller gives {what}, which the scene does not have"
+                )
             }
             Self::Output { what, known } => write!(
                 f,

@@ -229,7 +229,9 @@ fn number_of(description: &Description, name: &str, value: ReportValue) -> Resul
             .iter()
             .position(|known| *known == value)
             .map(|index| index as f64)
-            .ok_or_else(|| format!("it reports `{name}` as `{value}`, which is none of its names")),
+            .ok_or_else(|| {
+                format!("it reports `{name}` as `{value}`, which is not one of its names")
+            }),
         _ => Err(format!(
             "it reports `{name}` as another kind of value than it declared"
         )),

@@ -324,10 +324,7 @@ impl SceneBench {
 
 /// What a scene's own list of signals names wrongly.
 fn of_scene(unknown: &UnknownTruth) -> ScenarioError {
-    ScenarioError::value(
-        "truth.record",
-        &format!("has a name that there is not: {unknown}"),
-    )
+    ScenarioError::value("truth.record", &format!("has an unknown name: {unknown}"))
 }
 
 /// Points of tools are on links that there are, and none has a link's name.

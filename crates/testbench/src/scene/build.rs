@@ -643,7 +643,7 @@ pub(super) fn check_engine(
     let key = super::data::key_of("sensor", name.map_or("", |it| it.name.as_str()), "kind");
     let (engine, _) = physics.engine();
     let problem = format!(
-        "is of a link that is fixed to the world, of whose forces {engine} knows nothing; mount it on a link that moves, or use MuJoCo"
+        "is of a link that is fixed to the world, whose forces {engine} does not compute; mount it on a link that moves, or use MuJoCo"
     );
     Err(ScenarioError::value(&key, &problem))
 }

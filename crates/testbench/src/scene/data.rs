@@ -207,9 +207,9 @@ pub(super) fn within(
     low: f64,
     high: f64,
 ) -> Result<(), ScenarioError> {
-    distribution
-        .check()
-        .map_err(|error| ScenarioError::value(key, &format!("is no distribution: {error}")))?;
+    distribution.check().map_err(|error| {
+        ScenarioError::value(key, &format!("must be a number or a distribution: {error}"))
+    })?;
     let [smallest, largest] = distribution.support();
     if smallest < low || largest > high {
         let problem = format!(
@@ -230,7 +230,7 @@ pub(super) fn number_within(
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    let problem = format!("is {value} and must lie between {low} and {high}");
+    let problem = format!("must lie between {low} and {high} (got {value})");
     Err(ScenarioError::value(key, &problem))
 }
 
@@ -321,9 +321,25 @@ impl SceneData {
         self.abstract_tests.iter().find(|test| test.name == name)
     }
 
+    /// The keys of plain numbers for which a scene's text gives distributions; none if it cannot be read.
+    #[must_use]
+    pub fn keys_of_drawn_numbers(text: &str) -> Vec<String> {
+        let mut keys = Vec::new();
+        if let Ok(mut table) = toml::from_str::<Table>(text) {
+            resolve(&mut table, &mut |key, distribution| {
+                keys.push(key.to_owned());
+                distribution.support()[0]
+            });
+        }
+        keys
+    }
+
     /// What is wrong with it, as far as its parts are known: the first of each part, of all parts.
-    fn check(&self) -> Result<(), ScenarioError> {
-        let step_secs = self.simulation.time_step_secs;
+    ///
+    /// # Errors
+    /// The one mistake, or [`ScenarioError::Several`].
+    pub fn check(&self) -> Result<(), ScenarioError> {
+        let step_secs = self.simulation.known_step_secs();
         let mut found = vec![
             self.simulation.check(),
             self.check_names(),
@@ -366,7 +382,7 @@ impl SceneData {
 
     /// Materials are sound, and those that things are made of exist.
     fn check_materials(&self) -> Result<(), ScenarioError> {
-        let time_step_secs = self.simulation.time_step_secs;
+        let time_step_secs = self.simulation.known_step_secs();
         for material in &self.materials {
             material.check(time_step_secs)?;
         }
@@ -482,7 +498,7 @@ impl SceneData {
                     return Err(ScenarioError::value(&key_of(list, name, "name"), problem));
                 }
                 if !seen.insert(name.to_owned()) {
-                    let problem = "is the name of two things of the scene";
+                    let problem = "is used twice; names must be unique";
                     return Err(ScenarioError::value(&key_of(list, name, "name"), problem));
                 }
             }
@@ -510,24 +526,35 @@ impl SceneData {
 }
 
 impl Simulation {
+    /// The time step; not a number if it is out of its range, so that nothing is held against it.
+    fn known_step_secs(&self) -> f64 {
+        match self.check_step() {
+            Ok(()) => self.time_step_secs,
+            Err(_) => f64::NAN,
+        }
+    }
+
+    fn check_step(&self) -> Result<(), ScenarioError> {
+        number_within("simulation.time_step_secs", self.time_step_secs, 1e-5, 0.05)
+    }
+
     fn check(&self) -> Result<(), ScenarioError> {
         let key = |field: &str| format!("simulation.{field}");
-        number_within(&key("time_step_secs"), self.time_step_secs, 1e-5, 0.05)?;
-        number_within(&key("gravity_m_s2"), self.gravity_m_s2, 0.0, 100.0)?;
-        number_within(&key("duration_secs"), self.duration_secs, 1e-3, 36_000.0)?;
-        number_within(&key("end_after_secs"), self.end_after_secs, 0.0, 36_000.0)?;
-        number_within(
-            &key("longest_distance_m"),
-            self.longest_distance_m,
-            0.1,
-            1e4,
-        )?;
-        self.mujoco.check()?;
-        self.rapier.check()?;
-        for (field, hz) in [("record_hz", self.record_hz), ("people_hz", self.people_hz)] {
-            whole_steps(&key(field), 1.0 / hz, self.time_step_secs)?;
+        let mut found = vec![self.check_step()];
+        for (field, value, low, high) in [
+            ("gravity_m_s2", self.gravity_m_s2, 0.0, 100.0),
+            ("duration_secs", self.duration_secs, 1e-3, 36_000.0),
+            ("end_after_secs", self.end_after_secs, 0.0, 36_000.0),
+            ("longest_distance_m", self.longest_distance_m, 0.1, 1e4),
+        ] {
+            found.push(number_within(&key(field), value, low, high));
         }
-        Ok(())
+        found.extend([self.mujoco.check(), self.rapier.check()]);
+        let step_secs = self.known_step_secs();
+        for (field, hz) in [("record_hz", self.record_hz), ("people_hz", self.people_hz)] {
+            found.push(whole_steps(&key(field), 1.0 / hz, step_secs).map(drop));
+        }
+        ScenarioError::all(found.into_iter().filter_map(Result::err).collect())
     }
 }
 
@@ -545,7 +572,8 @@ impl ControllerData {
     }
 }
 
-/// How many time steps a period has: at least one, and whole.
+/// How many time steps a period has: at least one, and whole. Of a time step that is not a number it is one: what is wrong
+/// with that is told by itself.
 ///
 /// # Errors
 /// [`ScenarioError::Value`] naming `key`.
@@ -554,11 +582,14 @@ pub(super) fn whole_steps(
     period_secs: f64,
     time_step_secs: f64,
 ) -> Result<u64, ScenarioError> {
+    if time_step_secs.is_nan() {
+        return Ok(1);
+    }
     let steps = period_secs / time_step_secs;
     let is_whole = steps.is_finite() && (steps - steps.round()).abs() < 1e-6;
     if !is_whole || !(1.0..1e9).contains(&steps.round()) {
         let problem = format!(
-            "asks for something every {period_secs} s, which is no whole number of time steps of {time_step_secs} s"
+            "gives a period of {period_secs} s, which must be a whole number of time steps of {time_step_secs} s"
         );
         return Err(ScenarioError::value(key, &problem));
     }

@@ -49,7 +49,8 @@ fn description(path: &str, file: &ReadFile<'_>) -> Result<Loaded, ScenarioError>
         reason,
     };
     let bytes = file(path).map_err(bad)?;
-    let text = String::from_utf8(bytes).map_err(|_| bad("it is no UTF-8 text".to_owned()))?;
+    let text =
+        String::from_utf8(bytes).map_err(|_| bad("the file is not UTF-8 text".to_owned()))?;
     let mut resolve = |address: &str| {
         let paths = package_paths(path, address);
         if paths.is_empty() {

@@ -456,10 +456,10 @@ fn bad_grippers_are_told_all_at_once_with_their_keys() {
         "`gripper.second.tool_point` names `rom`",
         "`gripper.second.tools.1` names `hammer`",
         "`gripper.second.tools.2` names `table`, which is fixed to the world",
-        "`gripper.second.reach_m` is -1",
+        "`gripper.second.reach_m` must lie between 0.000000001 and 1000000 (got -1)",
         "`gripper.third.open` lists 1 where the gripper has 2 joints",
         "`gripper.third.open` is as `closed` for a joint",
-        "`gripper.third.width_m` is 0",
+        "`gripper.third.width_m` must lie between 0.000000001 and 1000000 (got 0)",
         "`gripper.third.joints.0` names `slide`, which the group `slide` drives, too",
     ] {
         assert!(told.contains(part), "no {part} in\n{told}");

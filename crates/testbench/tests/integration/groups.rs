@@ -338,7 +338,7 @@ fn a_limp_group_falls_as_far_as_its_joints_let_it_and_a_stuck_one_takes_its_goal
     let text = refused(&cell(1.0, "", &format!("{SERVO}{wrong}")));
     assert!(
         text.contains(
-            "`group.joints.fault.0.offset.along_rad` is none of along_m, shoulder_rad, elbow_rad"
+            "`group.joints.fault.0.offset.along_rad` is unknown; it may be one of along_m, shoulder_rad, elbow_rad"
         ),
         "{text}"
     );
@@ -497,13 +497,13 @@ fn bad_groups_are_told_all_at_once_with_their_keys() {
         "`group.joints.joints.2` names `elbow`, which the actuator `extra` drives, too (velocity, here position)",
         "`group.second.joints.1` names `shoulder` twice",
         "`group.second.joints.0` names `shoulder`, which the group `joints` drives, too (position, here torque)",
-        "`group.second.stiffness` has no meaning in the mode `torque`",
+        "`group.second.stiffness` is not used in the mode `torque`",
         "`trajectory.path.group` names `jonts`",
         "`sensor.lost.gripper` names `hand`",
-        "`trajectory.other.velocity_scaling` is 2",
+        "`trajectory.other.velocity_scaling` must lie between 0.001 and 1 (got 2)",
         "`trajectory.other.waypoint.0` lists 1 where the group `joints` has 3 joints",
         "`trajectory.other.waypoint.1` needs either `joints`",
-        "`trajectory.other.waypoint.2.wait_secs` is -1",
+        "`trajectory.other.waypoint.2.wait_secs` must lie between 0 and 36000 (got -1)",
     ] {
         assert!(text.contains(part), "no {part} in\n{text}");
     }

@@ -404,8 +404,8 @@ fn faults_are_drawn_from_the_seed_and_wrong_ones_are_refused() {
             "fault = [{ kind = \"weak\", strength = 1.5, from_secs = 0.0 }]",
             "between 0 and 1",
         ),
-        ("noise = { effort = 1.0 }", "is none of effort_nm"),
-        ("noise_hz = 300.0", "no whole number of time steps"),
+        ("noise = { effort = 1.0 }", "may be one of effort_nm"),
+        ("noise_hz = 300.0", "must be a whole number of time steps"),
     ] {
         let case = Case {
             drive: &format!("kind = \"effort\"\nlimit = 20.0\n{wrong}"),

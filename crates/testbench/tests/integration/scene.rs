@@ -597,19 +597,15 @@ fn what_is_wrong_in_a_scene_is_said_with_its_key() {
         (
             "",
             ["period_secs = 0.05", "period_secs = 0.0501"],
-            "no whole number of time steps",
+            "must be a whole number of time steps",
         ),
         ("", ["friction = 0.8", "friction = -0.8"], "ground.friction"),
-        (
-            "",
-            ["name = \"east\"", "name = \"west\""],
-            "the name of two things",
-        ),
+        ("", ["name = \"east\"", "name = \"west\""], "is used twice"),
         (LIDAR, ["rays = 37", "rays = 0"], "sensor.lidar.rays"),
         (
             LIDAR,
             ["rate_hz = 10", "rate_hz = 10\nnoise = { ranges = 0.1 }"],
-            "is none of ranges_m",
+            "may be one of ranges_m",
         ),
         (LIDAR, ["rate_hz = 10", "rate_hz = 10\nrange = 1"], "range"),
         (

@@ -1,6 +1,6 @@
 //! Answers as text.
 
-use diagnostic::Problem;
+use diagnostic::{Problem, counted};
 use query::{
     Built, CertificateReport, CheckReport, DistributionReport, PropertyReport, WitnessReport,
     number,
@@ -11,18 +11,22 @@ fn built(model: &str, built: &Built) -> String {
     let constants = built.constants.as_ref();
     let constants = constants.map_or(String::new(), |values| format!(" with {values}"));
     let mut line = format!(
-        "{model}{constants}: {} states, {} transitions, {} initial, built in {:.3} s\n",
-        built.states, built.transitions, built.initial_states, built.build_secs
+        "{model}{constants}: {}, {}, {} initial, built in {:.3} s\n",
+        counted(built.states, "state"),
+        counted(built.transitions, "transition"),
+        built.initial_states,
+        built.build_secs
     );
     if let Some(explored) = built.states_up_to_symmetry {
         line.push_str(&format!(
-            "{explored} states were explored, which stand for the others by symmetry\n"
+            "explored {} up to symmetry\n",
+            counted(explored, "state")
         ));
     }
     if built.deadlocks > 0 {
         line.push_str(&format!(
-            "{} deadlock states were given a self-loop\n",
-            built.deadlocks
+            "{} given a self-loop\n",
+            counted(built.deadlocks, "deadlock state")
         ));
     }
     line

@@ -3,7 +3,7 @@
 use super::{Done, Host, json, junit};
 use crate::args::{Format, Replay};
 use crate::shown_problem::rendered;
-use corroborate::outcome::Outcome;
+use corroborate::Ended;
 use corroborate::replay::{
     RegressionReport, RegressionState, RegressionsReport, RegressionsRequest, check_regressions,
 };
@@ -29,10 +29,7 @@ pub fn check(arguments: &Replay, setting: &Host) -> Result<Done, Problem> {
             Format::Json => json(&report)?,
             Format::Text => as_text(&report),
         },
-        outcome: match report.all_as_expected() {
-            true => Outcome::Holds,
-            false => Outcome::Violated,
-        },
+        outcome: report.outcome(),
     })
 }
 
@@ -133,7 +130,7 @@ mod tests {
             "{text}"
         );
         assert!(begins("passes   ").is_some(), "{text}");
-        assert!(begins("FAILS AGAIN").is_some() && text.contains("it was mended before"));
+        assert!(begins("FAILS AGAIN").is_some() && text.contains("it was fixed before"));
         assert!(begins("PASSES NOW").is_some() && text.contains("`expected = \"passes\"`"));
         assert!(begins("NOT DECIDED").is_some() && text.contains("nor passes: no trigger"));
         assert!(begins("CANNOT BE RUN").is_some() && text.contains("\n    help: yes\n"));

@@ -1,6 +1,6 @@
 //! A file's JSON Schema as a reference for people, in Markdown: a table of keys for each of its tables.
 
-use super::FileOfStudy;
+use corroborate::schemas::FileOfStudy;
 use serde_json::{Map, Value};
 use std::fmt::Write as _;
 

@@ -1,6 +1,7 @@
 //! What several tests of the whole project need.
 #![allow(dead_code, reason = "each test uses its part")]
 
+pub mod planted;
 pub mod program;
 pub mod schema;
 pub mod simulation;

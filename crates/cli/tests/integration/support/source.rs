@@ -156,20 +156,25 @@ pub fn lines_with(code: &str, wanted: &str) -> Vec<usize> {
         .collect()
 }
 
-/// Writes grouped imports out, one path each, on the line where the group begins: `use std::{fs, io}` also reads
-/// `std::fs std::io`. Only the first level of a group is written out.
+/// Writes imports of the standard library out, as [`with_groups_of`] does.
 pub fn with_groups_written_out(code: &str) -> String {
+    with_groups_of(code, "std::")
+}
+
+/// Writes grouped imports from `path` out, one path each, on the line where the group begins: `use std::{fs, io}` also reads
+/// `std::fs std::io`. Only the first level of a group is written out.
+pub fn with_groups_of(code: &str, path: &str) -> String {
     let mut out = code.to_owned();
     let mut from = 0;
-    while let Some(found) = out[from..].find("std::{") {
-        let open = from + found + "std::".len();
+    while let Some(found) = out[from..].find(&format!("{path}{{")) {
+        let open = from + found + path.len();
         let close = item_end(&out, open);
         let inner = out[open + 1..close.saturating_sub(1)].replace('\n', " ");
         let paths: String = first_level(&inner)
             .iter()
-            .map(|name| format!(" std::{} ", name.trim()))
+            .map(|name| format!(" {path}{} ", name.trim()))
             .collect();
-        out.insert_str(open - "std::".len(), &paths);
+        out.insert_str(open - path.len(), &paths);
         from = open + paths.len() + 1;
     }
     out

@@ -11,6 +11,13 @@
 //! If that is asked for, the episode ends once every monitor is determined: whatever came later, no
 //! verdict would change. Counts of triggers and robustness are then those of the shorter trace. An
 //! episode that is run for the sake of one subject can be ended once that one's is determined.
+//!
+//! # Assumes
+//! Rows come in the order of their times.
+//!
+//! # Guarantee
+//! Verdicts, robustness and coverage are those of the finished trace (tested sample by sample); of an episode that is ended early the
+//! verdicts alone.
 
 use diagnostic::Problem;
 use judging::{Judgement, Judges, News, Session};

@@ -6,6 +6,9 @@
 //! results behind that are dropped, so what has been taken is the prefix a..=n for some n that does
 //! not depend on the number of threads or on their speed.
 //!
+//! # Assumes
+//! Nothing of the data.
+//!
 //! # Cost and guarantee
 //! No number is begun that is [`AHEAD`] or more beyond the next one to be taken, so at most that
 //! many results wait: memory does not grow with the count. A failure ends it; if several fail, the

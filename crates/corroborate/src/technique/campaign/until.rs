@@ -51,7 +51,7 @@ pub fn parse(text: &str) -> Result<UntilText, Problem> {
         })
     });
     rule.ok_or_else(|| {
-        Problem::new("bad-until", format!("`{text}` is no rule for when to end"))
+        Problem::new("bad-until", format!("`{text}` is not a valid rule for when to end"))
             .remedy("say for example `requirement 1a is decided at 99 %`, or `requirement 3 is decided against 0.9 at 99 %`")
     })
 }

@@ -5,6 +5,10 @@
 //! evidence that is neither none nor all: 0.87 of 174/200, its complement 0.13, and the quotient 174/200 itself. A number
 //! with decimals is the rate if it is the rate rounded to its last digit.
 //!
+//! # Assumes
+//! An independent source finds a rate as the posterior of the counts has it, whatever digits it writes. Trials are
+//! independent. How often sources have a multiple of the same number of trials is a guess (`stats::coincidence`).
+//!
 //! # Guarantee
 //! Comments and constants that the ledger declares as calibrated are left out. Not found are
 //! numbers that were rounded to so few digits that chance gives as many (0.9).
@@ -170,6 +174,11 @@ fn declaration(name: &str, with: &str, subject: &Subject, of_rest: &str) -> Stri
 /// The probability that an independent source writes this number for these counts, and whether it is their rate.
 fn rate(number: &Number, sample: Sample) -> (f64, bool) {
     let counts = (sample.successes, sample.trials);
+    let exact = sample.successes as f64 / sample.trials as f64;
+    let deviation = (exact * (1.0 - exact) / sample.trials as f64).sqrt();
+    if (number.value - exact).abs() > 10.0 * deviation + number.step {
+        return (0.0, false);
+    }
     if let Some(quotient) = number.quotient
         && quotient.1 == sample.trials
     {
@@ -178,11 +187,6 @@ fn rate(number: &Number, sample: Sample) -> (f64, bool) {
             trials: quotient.1,
         };
         return (stats::quotient_by_chance(again), quotient == counts);
-    }
-    let exact = sample.successes as f64 / sample.trials as f64;
-    let deviation = (exact * (1.0 - exact) / sample.trials as f64).sqrt();
-    if (number.value - exact).abs() > 10.0 * deviation + number.step {
-        return (0.0, false);
     }
     let met = (number.value - exact).abs() <= 0.5 * number.step * (1.0 + 1e-9);
     let chance = stats::constant_by_chance(sample, number.value, number.step);

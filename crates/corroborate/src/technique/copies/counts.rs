@@ -5,13 +5,23 @@
 //! the count, with the probability of `stats::count_by_chance`. Failure modes of one pair are taken as independent, as
 //! their opportunities are told apart; requirements, which follow from them, count where no failure mode was counted.
 //!
+//! Tables of totals that are the same to the byte under two names are one coincidence of their own: as many trials
+//! (`stats::SAME_TRIALS`), and each count again.
+//!
+//! # Assumes
+//! Counts of an independent piece are of the rate that the posterior has, of independent trials: people's attempts that are
+//! alike give the same count less often. Failure modes of one pair are independent of each other.
+//!
 //! # Guarantee
-//! Counts of none or all, and of other numbers of trials, tell nothing. "50 of 50" twice is no question.
+//! Single counts of none or all, and of other numbers of trials, tell nothing. "50 of 50" twice is no question.
 
 use super::{Candidate, counted, is_declared, probability, subject_in_words};
-use evidence::{CopyKind, Evidence, Subject};
+use evidence::{AssetRole, CopyKind, Evidence, Measure, Subject};
 use stats::Sample;
 use study::Study;
+
+/// The probability up to which one count that is another's is noted.
+const NOTED_COUNT: f64 = 0.1;
 
 /// All pairs of counts.
 pub(super) fn candidates(study: &Study, evidence: &[Evidence]) -> Vec<Candidate> {
@@ -26,10 +36,61 @@ pub(super) fn candidates(study: &Study, evidence: &[Evidence]) -> Vec<Candidate>
             if is_read(&evidence[earlier]) || is_read(&evidence[later]) {
                 let pair = [later, earlier];
                 candidates.extend(of_pair(evidence, pair, pair.map(|it| &counts[it])));
+                candidates.extend(of_files(study, evidence, pair));
             }
         }
     }
     candidates
+}
+
+/// That two tables of totals are the same to the byte.
+fn of_files(study: &Study, evidence: &[Evidence], pair: [usize; 2]) -> Option<Candidate> {
+    let [piece, other] = pair.map(|it| &evidence[it]);
+    let has_totals = |piece: &Evidence| {
+        let entry = study.ledger.iter().find(|entry| entry.id == piece.id);
+        let tables = entry.and_then(|entry| entry.work.tables());
+        tables.is_some_and(|tables| tables.cohort.is_none())
+    };
+    if !has_totals(piece) || !has_totals(other) {
+        return None;
+    }
+    let data = |piece: &Evidence| {
+        let all = piece.assets.iter();
+        let all = all.filter(|it| it.role == AssetRole::Data && !it.hash.is_empty());
+        all.cloned().collect::<Vec<_>>()
+    };
+    let theirs = data(other);
+    // The same file under one name is no coincidence.
+    let (own, same) = data(piece).into_iter().find_map(|own| {
+        let same = theirs.iter().find(|it| it.hash == own.hash)?;
+        (same.path != own.path).then(|| (own.path, same.path.clone()))
+    })?;
+    let again = piece.findings.iter().filter_map(|finding| {
+        let theirs = other.finding(&finding.subject)?;
+        match (&finding.measure, &theirs.measure) {
+            (Measure::Counts { count, trials, .. }, Measure::Counts { .. }) => {
+                let sample = Sample::new(*count, *trials).ok()?;
+                Some(stats::count_by_chance(sample))
+            }
+            _ => None,
+        }
+    });
+    let chance = stats::SAME_TRIALS * again.product::<f64>();
+    Some(Candidate {
+        pieces: pair,
+        kind: CopyKind::File,
+        subjects: Vec::new(),
+        key: format!("{} {} file", pair[0], pair[1]),
+        chance,
+        met: true,
+        notable: true,
+        finding: format!(
+            "`{own}` is `{same}` to the byte (independent counts are the same with a probability of {})",
+            probability(chance)
+        ),
+        places: vec![own, same],
+        declare: None,
+    })
 }
 
 fn of_pair(
@@ -58,7 +119,8 @@ fn of_pair(
                 key: format!("{later} {earlier} {subject:?}"),
                 chance,
                 met: sample == theirs,
-                notable: false,
+                // One total that is another's is worth a word where two tables say it.
+                notable: chance <= NOTED_COUNT,
                 finding: format!(
                     "{} and {} both count {}/{} of {} (an independent count is the same with a probability of {})",
                     piece.id,

@@ -13,6 +13,10 @@
 //! by the normal distribution of the delta method. All products that could have been met count
 //! (`stats::coincidences`), so that the more counts there are, the more digits a number needs to be asked about.
 //!
+//! # Assumes
+//! The two rates are independent of each other and have Jeffreys' posteriors, of independent trials. Their product is taken
+//! as normal.
+//!
 //! # Guarantee
 //! None for a single probability, which is an approximation. Measured (`cargo run --release -p corroborate-stats --example groups`),
 //! studies of independent evidence are asked in at most 1 % with two and four counts, and in 3.5 % with eight counts and

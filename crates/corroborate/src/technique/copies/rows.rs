@@ -1,4 +1,8 @@
 //! Rows of tables that repeat another table's, by name, by place or by content.
+//!
+//! # Assumes
+//! Contents of different trials come to names and places by chance, as `stats::shared_rows` and `stats::renamed_rows` have
+//! it.
 
 use super::{Candidate, probability};
 use crate::technique::experiment::renamed;

@@ -9,6 +9,9 @@
 //! these seeds: that is declared, and no question. If they run the same simulator on the same stimulus, which are the same
 //! words of the ledger but for the names of files of the same content, they are the *same runs*.
 //!
+//! # Assumes
+//! The same seed gives both variants the same random numbers in the same order.
+//!
 //! # Guarantee
 //! Equal seeds are no coincidence that has a probability: numbers from 1 on are equal by intention, too. So one is a
 //! question. Episodes that are run here have seeds of their own for each entry of the ledger (`simulation::Seeds`), and

@@ -7,6 +7,9 @@
 //! copy, or a revision. What the one has wrong the other has, too, so that they have one voice against all others
 //! (`evidence::voices`) and do not agree independently.
 //!
+//! # Assumes
+//! Two authors do not write most statements alike.
+//!
 //! # Guarantee
 //! None for models under other names: a copy whose variables were renamed is not found. That two people write most
 //! statements alike, with the same names and numbers, has no probability that could be computed; where it happened, the

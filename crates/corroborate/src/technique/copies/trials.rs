@@ -3,6 +3,10 @@
 //! What is tested, and its guarantee, stand in `experiment::groups` (rows of tables) and `sessions` (recordings). Here the
 //! p-values are multiplied by the number of all these tests of the study (Bonferroni). A question is settled by the piece's
 //! own name in `independent`, which says why its trials are independent of each other.
+//!
+//! # Assumes
+//! Where nothing is alike, rows and recordings are exchangeable (`stats::grouping`). Nothing of how the tests depend on
+//! each other.
 
 use super::{LIMIT, probability, subject_in_words};
 use crate::technique::experiment::groups::{AlikeRows, alike_rows};

@@ -8,6 +8,10 @@
 //! and the order of the rows are tested by permutation (`stats::grouping`). Of the tests of a table the strongest is
 //! reported; a question counts all tests of the study (Bonferroni, `copies::trials`).
 //!
+//! # Assumes
+//! Under the hypothesis the rows of each table are exchangeable: no column that groups them goes with a rate. Nothing of
+//! how the tests depend on each other.
+//!
 //! # Guarantee
 //! If the rows of all tables are exchangeable, anything at all is below [`super::super::copies::LIMIT`] in at most that
 //! share of studies. A column that says under which conditions a row was made is a group, too: then its rows are not of

@@ -4,6 +4,9 @@
 //! Of two cohorts that differ as files, the cells of the columns by which something is counted are compared in one form
 //! (`1.0` is `1`, `true` is `1`), with the probabilities of `stats::renamed_rows`.
 //!
+//! # Assumes
+//! Rows of different people are independent, as `stats::renamed_rows` has it.
+//!
 //! # Guarantee
 //! Few people with few outcomes repeat each other by chance; ten people with ten trials each are found in the same order,
 //! in another mostly from twenty on (`cargo run --release -p corroborate-stats --example copies`).

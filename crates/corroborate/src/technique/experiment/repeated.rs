@@ -6,6 +6,10 @@
 //! `CHANCE` (divided by the number of pairs of tables) where contents come to names by chance (`stats::shared_rows`), and
 //! what was counted, by itself, one of at most `OF_OUTCOMES`.
 //!
+//! # Assumes
+//! Contents of different trials come to names by chance. What tables have in common by design stands in columns by which
+//! nothing is counted.
+//!
 //! # Guarantee
 //! The second condition is there since tables may agree by design in what was set: ages, orders, settings of the same
 //! people or the same plan. Then only what came out speaks, with its smaller probability. The same people in other trials

@@ -52,8 +52,7 @@ impl Cohort {
     fn plain(&self) -> ClusterTests {
         let trials: u64 = self.attempts.iter().sum();
         let is_one = self.subjects() == 1;
-        let one = "All trials are of one subject: their interval is of that subject's rate, and says nothing of \
-                   how subjects differ.";
+        let one = "All trials are of one subject: their interval is of that subject's rate; how subjects differ is not known.";
         ClusterTests {
             effective_trials: trials as f64,
             tests: if is_one {

@@ -15,6 +15,9 @@
 //! A proposition that a model does not express is false there: that is how a
 //! model that has never heard of something shows it.
 //!
+//! # Assumes
+//! Propositions mean the same of the model and of recordings. What holds shorter than the declared time is noise.
+//!
 //! # Source and guarantee
 //! The quotient is the existential abstraction of E. M. Clarke, O. Grumberg
 //! and D. E. Long, "Model checking and abstraction" (1994): it has every

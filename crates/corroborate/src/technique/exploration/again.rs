@@ -94,10 +94,9 @@ pub fn findings_again(
         let finding = Finding::read(&folder.join(file))?;
         let key = format!("{:?}", finding.bench);
         if !benches.contains_key(&key) {
-            let library = host.physics_library.as_deref();
             benches.insert(
                 key.clone(),
-                OpenBench::of_files(study, &finding.bench, library)?,
+                OpenBench::of_files(study, &finding.bench, host)?,
             );
         }
         let again = match benches.get(&key) {

@@ -3,8 +3,8 @@
 use crate::rigs::{self, Opening};
 use crate::technique::campaign::is_of_physics;
 use diagnostic::Problem;
-use host::Cancel;
 use host::store::Inputs;
+use host::{Cancel, Host};
 use rig::Rig;
 pub use rig::failed;
 use std::path::Path;
@@ -25,8 +25,8 @@ pub struct OpenBench {
 
 impl OpenBench {
     /// The bench of a ledger's entry.
-    pub fn of_entry(study: &Study, entry: &Entry, library: Option<&Path>) -> Result<Self, Problem> {
-        Self::of_files(study, &Self::files_of(entry)?, library)
+    pub fn of_entry(study: &Study, entry: &Entry, host: &Host) -> Result<Self, Problem> {
+        Self::of_files(study, &Self::files_of(entry)?, host)
     }
 
     /// The files of the bench of a ledger's entry.
@@ -49,7 +49,7 @@ impl OpenBench {
             None => {
                 return Err(Problem::new(
                     "not-a-simulation",
-                    format!("`{}` is no simulation that takes tests", entry.id),
+                    format!("`{}` is not a simulation that takes tests", entry.id),
                 )
                 .remedy("name an entry of the ledger with a scenario, a scene or a command"));
             }
@@ -58,11 +58,7 @@ impl OpenBench {
     }
 
     /// The bench that is made of these files of the study.
-    pub fn of_files(
-        study: &Study,
-        files: &BenchFiles,
-        library: Option<&Path>,
-    ) -> Result<Self, Problem> {
+    pub fn of_files(study: &Study, files: &BenchFiles, host: &Host) -> Result<Self, Problem> {
         let simulated = command_of(study, files).map(Simulated::Command);
         let of_files = || {
             let (scenario, scene) = (files.scenario.as_deref(), files.scene.as_deref());
@@ -79,7 +75,7 @@ impl OpenBench {
         })?;
         let opening = Opening {
             joined: Some(" with "),
-            ..Opening::new(study, library)
+            ..Opening::new(study, host)
         };
         Ok(Self::of_rig(opening.open(simulated)?, files.clone()))
     }

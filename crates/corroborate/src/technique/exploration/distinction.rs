@@ -13,6 +13,11 @@
 //! of its episode with the same chance, the number of episodes in which the conditions hold then would be a sum of independent trials whose
 //! chances are those shares of time (Poisson binomial); the p-value is the chance of as many or more.
 //!
+//! # Assumes
+//! Under the hypothesis episodes are independent, and those that showed the finding differ from the others by chance. What
+//! shows does so at any time of its episode with the same chance. Those of an exploration are chosen, so that neither is
+//! sure.
+//!
 //! # Guarantee
 //! Others have all their moments to meet a rule and a finding has one, so the comparison is against the rule. There are
 //! four kinds of rules (a name, a cut, two names, a name and a cut). Each p-value is multiplied by the number of rules of its kind that
@@ -25,6 +30,7 @@
 //! O(rules × other episodes × combinations of an episode).
 
 use super::moments::{Condition, Moments, Number, Signals, Values};
+use diagnostic::counted;
 use evidence::{Distinction, SignalRelation, SignalTerm};
 use stats::{Confidence, Sample, fisher_exact};
 use std::collections::{BTreeMap, BTreeSet};
@@ -106,11 +112,10 @@ impl Search<'_> {
         let best = self.best(&table, &offered, &rules);
         self.told(&table, &offered, best, &rules).ok_or_else(|| {
             format!(
-                "no rule over the {} signals that were recorded separates its {} episodes from {} others, or its moments from \
-                 others of them, beyond chance",
-                offered.named.len() + offered.numbers.len(),
-                table.shown.len(),
-                table.others.len()
+                "no rule over {} separates its {} from {}, or its moments from other moments, beyond chance",
+                counted(offered.named.len() + offered.numbers.len(), "recorded signal"),
+                counted(table.shown.len(), "episode"),
+                counted(table.others.len(), "other")
             )
         })
     }

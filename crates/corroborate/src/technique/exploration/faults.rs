@@ -16,6 +16,9 @@
 //! are the tester's to choose: R. Lee et al., "Adaptive stress testing" (2015).
 //! Deviation: faults are chosen by rule and by chance, not by learning.
 //!
+//! # Assumes
+//! A key that reads as a probability is one.
+//!
 //! # Guarantee
 //! After as many episodes as there are faults, each was met alone. How often
 //! it happens in use is not said: that is what its declared rate was for.

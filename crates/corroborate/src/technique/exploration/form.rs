@@ -7,7 +7,7 @@ use study::{BenchFiles, Shows};
 
 /// Said with every result of an exploration.
 pub const NO_EVIDENCE: &str = "These episodes were chosen to show something new. They are witnesses and coverage; \
-    how often they show something is no estimate of how often it happens.";
+    how often they show something does not estimate how often it happens.";
 
 /// What an exploration found and covered.
 #[derive(Debug, Serialize, JsonSchema)]

@@ -38,7 +38,7 @@ impl Formal {
         let Some(model) = study.entry(id)?.work.model() else {
             return Err(Problem::new(
                 "bad-exploration",
-                format!("`{id}` is no formal model of this study"),
+                format!("`{id}` is not a formal model of this study"),
             )
             .remedy("name an entry of the ledger with a `model`"));
         };
@@ -86,8 +86,9 @@ impl Formal {
             Some(Property::State(state)) => self.holds(state).map(Meaning::Holds),
             _ => Err(Problem::new(
                 "bad-exploration",
-                format!("`{text}` is no expression over the model's variables"),
-            )),
+                format!("`{text}` is not an expression over the model's variables"),
+            )
+            .remedy("write a condition, such as `x=1 & y>2`")),
         }
     }
 
@@ -109,8 +110,9 @@ impl Formal {
             StateFormula::Iff(a, b) => both(a, b, |a, b| a == b),
             _ => Err(Problem::new(
                 "bad-exploration",
-                "a probability is no expression over the model's variables",
-            )),
+                "an expression over the model's variables cannot contain a probability",
+            )
+            .remedy("write a condition on states, without `P`, `R` or `S`")),
         }
     }
 }

@@ -5,6 +5,9 @@
 //! the least and the greatest value, in all and within each combination. Of moments to look at, all values are kept as
 //! they were then and at the last sample of an earlier time.
 //!
+//! # Assumes
+//! Nothing of the data.
+//!
 //! # Guarantee
 //! Whether a condition ever held is answered yes where it did. Where there are too many combinations to keep all of
 //! them, it may be answered yes where it did not ([`Moments::may_have_held`]).

@@ -5,7 +5,7 @@
 //! evidence = "E2"             # the ledger's entry whose bench is run
 //! model = "E1"                # the one whose formal model is held against it
 //! physics = "fast"            # what is searched in; "full" is the other
-//! task_over = "arrived"       # what is found only afterwards is told apart
+//! task_over = "arrived"       # what is found only afterwards is listed apart
 //!
 //! [budget]
 //! episodes = 300
@@ -29,7 +29,7 @@ use super::bench::OpenBench;
 use super::faults::FaultData;
 use crate::technique::simulation::SearchPhysics;
 use campaign::{Agent, Cross, Design, Grammar, Method, PathMapping, StepRule};
-use diagnostic::{Problem, Source};
+use diagnostic::{Problem, Problems, Source, did_you_mean};
 use rig::{check_keys, check_units};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -61,7 +61,7 @@ pub struct Data {
     /// The ledger's entry whose formal model the episodes are held against.
     pub model: Option<String>,
     /// When the task is over: a word of the vocabulary, or a predicate over signals, that first holds then. What is found only
-    /// afterwards is told apart. If absent, and recordings are held against a model, it is over where the model stays for ever.
+    /// afterwards is listed apart. If absent, and recordings are held against a model, it is over where the model stays for ever.
     pub task_over: Option<String>,
     /// The physics that is searched in: the fast one where the bench has one, if absent. What is found is shown by the
     /// full one before it counts. The search for disagreement, which gives figures, is of the full one.
@@ -250,11 +250,11 @@ pub struct AbstractionData {
     /// How many of the model's changes a recording may show at once.
     #[serde(default = "one")]
     pub steps: usize,
-    /// By which propositions states are told apart.
+    /// The propositions that distinguish states.
     pub proposition: Vec<PropositionData>,
 }
 
-/// A proposition by which states are told apart.
+/// A proposition that distinguishes states.
 #[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PropositionData {
@@ -271,7 +271,8 @@ pub struct PropositionData {
 #[serde(deny_unknown_fields)]
 struct TriggerData {
     /// The word, by which a requirement is triggered.
-    when: String,
+    #[schemars(with = "String")]
+    when: toml::Spanned<String>,
     /// An expression over the model's variables.
     model: String,
 }
@@ -406,10 +407,7 @@ impl Plan {
     /// Reads the file, whose path is relative to the study's folder.
     pub fn load(folder: &Path, file: &Path) -> Result<Self, Problem> {
         let source = host::files::read_source(&folder.join(file))?;
-        let mut data: Data = toml::from_str(&source.text).map_err(|error| {
-            study::placed::from_toml(&source, &error)
-                .remedy("`corroborate explain bad-exploration` says what the file has")
-        })?;
+        let mut data: Data = study::read_toml("bad-exploration", &source)?;
         let space = Space {
             parameters: std::mem::take(&mut data.parameter),
             constraints: std::mem::take(&mut data.constraint),
@@ -465,7 +463,11 @@ impl Plan {
                 ));
             }
             if !(0.0..1e6).contains(&abstraction.shortest_secs) {
-                return Err(wrong("shortest_secs", &"`shortest_secs` is no duration"));
+                let message = format!(
+                    "`shortest_secs` must be from 0 to less than 1e6 (got {})",
+                    abstraction.shortest_secs
+                );
+                return Err(wrong("shortest_secs", &message));
             }
         }
         if self.data.designs.is_empty() {
@@ -480,10 +482,34 @@ impl Plan {
         Ok(())
     }
 
+    /// Checks that what this file gives a meaning to is a word of the study.
+    ///
+    /// # Errors
+    /// Each word that is not, at its place.
+    pub fn check_triggers(&self, study: &Study) -> Result<(), Problem> {
+        let known = || study.vocabulary.propositions.keys().map(String::as_str);
+        let mut found = Problems::new();
+        for trigger in &self.data.trigger {
+            let word = trigger.when.get_ref().as_str();
+            if known().any(|it| it == word) {
+                continue;
+            }
+            let message = format!("the vocabulary has no proposition `{word}`");
+            let problem =
+                Problem::new("unknown-proposition", message).at(&self.source, trigger.when.span());
+            found.add(match did_you_mean(word, known()) {
+                Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+                None => problem
+                    .remedy("name what a requirement is triggered by, as vocabulary.toml has it"),
+            });
+        }
+        found.or(())
+    }
+
     /// What a word means to the model: as this file says, or else the study's
     /// vocabulary.
     pub fn meaning_in_model(&self, study: &Study, word: &str) -> Option<String> {
-        let own = self.data.trigger.iter().find(|t| t.when == word);
+        let own = self.data.trigger.iter().find(|t| t.when.get_ref() == word);
         let mut propositions = self.data.abstraction.iter().flat_map(|a| &a.proposition);
         let abstracted = || propositions.find(|p| p.name == word)?.model.clone();
         let word = study.vocabulary.propositions.get(word);

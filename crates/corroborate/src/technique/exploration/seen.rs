@@ -451,7 +451,7 @@ impl<'a> Seen<'a> {
 }
 
 fn counted(text: &str, episodes: u64) -> String {
-    format!("{text} (in {episodes} episodes)")
+    format!("{text} (in {})", diagnostic::counted(episodes, "episode"))
 }
 
 fn subject_of(shows: &Shows) -> Option<Subject> {

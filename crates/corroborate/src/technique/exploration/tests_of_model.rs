@@ -121,7 +121,7 @@ impl Maker<'_> {
             });
             change.map(|rule| (a, b, rule))
         };
-        let cover = transition_cover(space, class, LONGEST_TOUR, &|| !interrupt.is_cancelled());
+        let cover = transition_cover(space, class, LONGEST_TOUR, &|| interrupt.is_cancelled());
         if interrupt.is_cancelled() {
             return Err(Problem::interrupted());
         }

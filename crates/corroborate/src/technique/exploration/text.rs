@@ -1,6 +1,7 @@
 //! The result of an exploration for people.
 
 use super::form::{ExplorationReport, FindingReport, SetReport};
+use diagnostic::counted;
 use evidence::{CauseFound, Stopped};
 use std::fmt::Write;
 
@@ -17,8 +18,8 @@ pub fn as_text(report: &ExplorationReport) -> String {
     };
     let _ = writeln!(
         text,
-        "{} episodes of {} ({}), {:.0} s simulated; ended by: {stopped}",
-        report.found.episodes,
+        "{} of {} ({}), {:.0} s simulated; ended by: {stopped}",
+        counted(report.found.episodes, "episode"),
         report.found.evidence,
         report.found.engine,
         report.found.simulated_secs
@@ -50,9 +51,9 @@ fn findings(text: &mut String, report: &ExplorationReport) {
     if !report.found.broken.is_empty() {
         let _ = writeln!(
             text,
-            "\nNot simulated to the end: the physics gave no numbers in {} of {} episodes, which says nothing of the robot",
+            "\nNot simulated to the end: the physics gave no numbers in {} of {}, which is not evidence about the robot",
             report.found.broken.len(),
-            report.found.episodes
+            counted(report.found.episodes, "episode")
         );
     }
     for broken in report.found.broken.iter().take(LISTED) {
@@ -121,8 +122,11 @@ fn not_confirmed(text: &mut String, report: &ExplorationReport) {
     for FindingReport { found: one, .. } in others {
         let _ = writeln!(
             text,
-            "  {}: in {} of {} episodes of the search\n      {}",
-            one.in_words, one.episodes, found.episodes, one.file
+            "  {}: in {} of {} of the search\n      {}",
+            one.in_words,
+            one.episodes,
+            counted(found.episodes, "episode"),
+            one.file
         );
     }
 }
@@ -145,7 +149,11 @@ fn causes(text: &mut String, finding: &FindingReport) {
         );
     }
     if let Some(others) = finding.found.without_cause.filter(|others| *others > 0) {
-        let _ = writeln!(text, "      {others} episodes met none of these");
+        let _ = writeln!(
+            text,
+            "      without these causes: {}",
+            counted(others, "episode")
+        );
     }
 }
 
@@ -229,15 +237,17 @@ fn sources(text: &mut String, report: &ExplorationReport) {
     for source in &report.sources {
         let _ = writeln!(
             text,
-            "  {}: {} episodes, {} with something new",
-            source.source, source.episodes, source.with_news
+            "  {}: {}, {} with something new",
+            source.source,
+            counted(source.episodes, "episode"),
+            source.with_news
         );
     }
     for search in &report.searches {
         let found = match search.violated_after {
             Some(after) => format!(
-                "violated in its episode {after}, {} times in all",
-                search.violated
+                "violated in its episode {after}, {} in all",
+                counted(search.violated, "time")
             ),
             None => "not violated".to_owned(),
         };
@@ -246,8 +256,10 @@ fn sources(text: &mut String, report: &ExplorationReport) {
         });
         let _ = writeln!(
             text,
-            "  {} against requirement {}: {} episodes, {found}{least}",
-            search.method, search.requirement, search.episodes
+            "  {} against requirement {}: {}, {found}{least}",
+            search.method,
+            search.requirement,
+            counted(search.episodes, "episode")
         );
         if let Some(blind) = &search.blind {
             let _ = writeln!(text, "      warning: {blind}");
@@ -257,8 +269,10 @@ fn sources(text: &mut String, report: &ExplorationReport) {
     if let Some(cover) = &tests.transition_cover {
         let _ = writeln!(
             text,
-            "  the model: {} kinds of transitions taken by {} paths with {} transitions",
-            cover.classes, cover.paths, cover.transitions
+            "  the model: {} of transitions taken by {} with {}",
+            counted(cover.classes, "kind"),
+            counted(cover.paths, "path"),
+            counted(cover.transitions, "transition")
         );
     }
     for test in &tests.tests {

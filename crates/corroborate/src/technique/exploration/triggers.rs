@@ -65,7 +65,7 @@ fn trigger_of(
                 }
                 _ => Some((
                     text.unwrap_or_else(|| rule.text.clone()),
-                    Err("it is written as a formula, whose trigger is no state".into()),
+                    Err("it is written as a formula, whose trigger is not a state".into()),
                 )),
             }
         }

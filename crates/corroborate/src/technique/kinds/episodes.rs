@@ -34,11 +34,11 @@ impl Technique for Episodes<'_> {
         asked: Asked<'a>,
         files: &Files<'_>,
     ) -> Result<Box<dyn Prepared + 'a>, Problem> {
-        let (study, library) = (asked.study, asked.host.physics_library.as_deref());
+        let (study, host) = (asked.study, asked.host);
         let read = |path: &Path| files.text(AssetRole::SystemModel, path);
         let opening = Opening {
             read: Some(&read),
-            ..Opening::new(study, library)
+            ..Opening::new(study, host)
         };
         let rig = match opening.open(self.of) {
             Err(problem) if problem.code != "no-physics-library" => return Err(problem),

@@ -10,6 +10,10 @@
 //! found at the points of a low-discrepancy design, with each basic event's share in its variance (`stats::SharesDesign`), as
 //! of a formal model (`super::super::model_checking`).
 //!
+//! # Assumes
+//! Basic events are independent of each other, but those that were set to the same counts, which have one rate. Counts are
+//! of independent trials, or at their effective size.
+//!
 //! # Guarantee
 //! Of the value that of `fault_tree`: exact, or between bounds; of the distribution none but convergence, and that basic
 //! events are independent, which the tree assumes. Ranges of basic events and counts are not carried on together: no
@@ -204,7 +208,7 @@ fn counts_of(tree: &FaultTree) -> Vec<(String, stats::Sample)> {
 fn own_constant((name, sample): &(String, stats::Sample)) -> CountedConstant {
     CountedConstant {
         name: name.clone(),
-        sample: (*sample).into(),
+        posterior: stats::BetaPosterior::jeffreys(*sample),
         from: String::new(),
         subject: Subject::FailureMode(name.clone()),
         is_complement: false,
@@ -292,7 +296,6 @@ impl Ready<'_> {
     fn answer(&self, subject: &Subject, analysis: &Analysis<'_>) -> Result<MethodAnswer, Problem> {
         let found = analysis.probability(&self.asked.host.cancel)?;
         let bounds = found.bounds;
-        let exact = found.exact.as_ref();
         let (low, high) = match subject {
             Subject::FailureMode(_) => (bounds.lower, bounds.upper),
             Subject::Requirement(_) => (1.0 - bounds.upper, 1.0 - bounds.lower),
@@ -303,28 +306,15 @@ impl Ready<'_> {
             f64::midpoint(bounds.lower, bounds.upper),
         );
         let one = fault_tree::BigRational::from_integer(1.into());
-        let guarantee = match (found.guarantee, exact) {
-            (fault_tree::Guarantee::Exact, Some(exact)) => {
-                let rate = match subject {
-                    Subject::FailureMode(_) => exact.clone(),
-                    Subject::Requirement(_) => one - exact,
-                };
-                let text = rate.to_string();
-                Guarantee::Exact {
-                    rational: (text.len() <= LONGEST_RATIONAL).then_some(text),
-                }
-            }
-            (
-                fault_tree::Guarantee::Exact
-                | fault_tree::Guarantee::Rounded
-                | fault_tree::Guarantee::Range { .. }
-                | fault_tree::Guarantee::Statistical { .. },
-                _,
-            ) => Guarantee::Bounded {
-                low: low.next_down().max(0.0),
-                high: high.next_up().min(1.0),
-            },
-        };
+        let rational = found.exact.as_ref().map(|exact| match subject {
+            Subject::FailureMode(_) => exact.to_string(),
+            Subject::Requirement(_) => (one - exact).to_string(),
+        });
+        // One step outwards: the subtraction rounds.
+        let (below, above) = (low.next_down().max(0.0), high.next_up().min(1.0));
+        let known = found.guarantee.between(below, above);
+        let rational = rational.filter(|text| text.len() <= LONGEST_RATIONAL);
+        let guarantee = Guarantee::of(&known, rational);
         Ok(MethodAnswer {
             method: "exact".into(),
             value,

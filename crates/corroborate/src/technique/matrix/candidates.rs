@@ -17,6 +17,7 @@
 //! | a hand-written `property` or `formula` is negated or joined otherwise (`formulas`) | nothing but that it can be |
 //! | a `model` binding has a further case | a state that the model comes to and no proposition names |
 //! | a signal in a `trace` binding is another | a signal of topics.toml that no proposition reads, and that the same can be said of |
+//! | the field that a signal is read `from` is another | a field of the recordings that no signal is read from, above all one that is called as the signal is |
 //! | a proposition in a sentence is another | the requirement's text has its name, or nothing else reads it |
 //! | a hand-written `property`, or what a `monitor` waits for, names another proposition | the proposition that the other forms of the same requirement name |
 //! | a limit `within_secs`, or one in a hand-written `property` | a duration in the requirement's own text or sentence, or the limit of its other form, or a slip by a factor |
@@ -29,14 +30,17 @@
 //! A free column, value or signal is tried for every proposition; by itself it suggests nothing, since a model may well
 //! have states that no proposition names.
 //!
+//! # Assumes
+//! Nothing of the data. What is suggested is tried.
+//!
 //! # Guarantee
 //! None: a candidate is an idea. It is accepted only by what it does to all the evidence (`edits`).
 
-mod clauses;
+pub(super) mod clauses;
 mod formulas;
 pub(super) mod limits;
 mod quantities;
-mod scales;
+pub(super) mod scales;
 mod sentences;
 mod times;
 mod topics;
@@ -149,11 +153,12 @@ const TOPICS: &str = "topics.toml";
 const STUDY: &str = "study.toml";
 const LEDGER: &str = "ledger.toml";
 
-/// All that is suggested, in the order of the files. Of numbers that formulas read those alone that bear on a subject that
+/// All that is suggested, in the order of the files, with the `fields` that recordings have. Of numbers that formulas read those alone that bear on a subject that
 /// `disagrees`, since each is tried on all recordings.
 pub(super) fn candidates(
     study: &Study,
     disagrees: &dyn Fn(&Subject) -> bool,
+    fields: &[String],
 ) -> Result<Vec<TextEdit>, Problem> {
     let mut found = columns(study)?;
     // A further case before another one in its place: of edits that explain as much, the first is named first.
@@ -199,6 +204,7 @@ pub(super) fn candidates(
         };
         found.extend(scales::of_topics(&text, &is_read));
         found.extend(topics.exchanged(study, &is_judged));
+        found.extend(topics.other_fields(fields, &is_read));
         found.extend(topics.units());
         found.extend(topics.signals(study));
         found.extend(topics.values(study));

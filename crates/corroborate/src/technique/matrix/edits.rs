@@ -3,11 +3,12 @@
 //! # Definition
 //! For every edit that something in the study suggests ([`super::candidates`]) what it reaches is produced again: the
 //! formal models' answers, the tables' counts, or the verdicts on the recordings that are kept. Of each pair of pieces
-//! under the same conditions the strength of disagreement ([`evidence::signed_strength`]) is taken before and after; of a subject
+//! under the same conditions the strength of disagreement ([`evidence::signed_strength`]) is taken before and after (of one that is
+//! triggered in no run the strength with which this differs from how often the other is, if both are of one population); of a subject
 //! the strongest counts. An edit *explains* the subjects that disagreed strongly ([`evidence::STRONG`]) and do not any
 //! more. Its *score* is what goes away on them, less what comes up anywhere else; it is dropped if more than [`STRONG`]
-//! comes up, since chance alone moves the weaker pairs. What a table has the wrong way round ([`evidence::put_right`]) is
-//! weighed as an edit is, and one that explains more takes the edits' place; likewise a number of a formal model that is solved
+//! comes up, since chance alone moves the weaker pairs. What a table has the wrong way round ([`evidence::put_right`]), or two pieces that
+//! changed places ([`evidence::changed_places`]), are weighed as an edit is, and one that explains more takes the edits' place; likewise a number of a formal model that is solved
 //! for ([`super::lines`]), at [`refinement::FREE_VALUE`] decades less, a branch or a gate that is another ([`super::gates`]), and a
 //! number that runs are read through ([`solved`]), which is looked for where nothing says a value that explains what
 //! disagrees. Of those that are left the ones that explain most are clues, and
@@ -28,11 +29,17 @@
 //!   unit in a field's name), [`FREE`], shared among all that are free for one place, if only a place
 //!   is free for it (a column or a state that no proposition names);
 //! * [`explained::PLAIN`], if the pieces that it changes are then each the same in all their runs, and nothing says it;
+//! * [`explained::WAS_PLAIN`], if they are the same in all their runs now and are not then: a reading that judges all runs alike is
+//!   wrong more often than a system that never or always fails;
 //! * less the decades of the number of edits that were tried and change how any two pieces agree: the others say the same as
 //!   no edit, and cannot explain anything by chance.
 //!
 //! Odds of edits of one place add up: whichever of its values is meant, the place is wrong. Numbers of one place that
 //! explain the same are a limit that plays no part any more, and explain nothing.
+//!
+//! # Assumes
+//! One value is wrong. Edits that were tried are equally likely before, but for the prior odds, which are guesses. The
+//! strengths take trials as independent, or at their effective size.
 //!
 //! # Source and guarantee
 //! The method of difference (J. S. Mill, 1843), and Bayes factors with the correction for the number of hypotheses of equal
@@ -41,9 +48,10 @@
 //!
 //! # Cost
 //! For each edit the models solved, the tables read or recordings judged again: at most [`FEW_RUNS`] of each piece, and at most
-//! [`MOST_RUNS`] where these do not show that it mends nothing; only where there is strong disagreement.
+//! [`MOST_RUNS`] where these do not show that it fixes nothing; only where there is strong disagreement.
 
 mod explained;
+mod kept;
 pub(crate) mod scratch;
 mod solved;
 
@@ -59,9 +67,9 @@ use crate::technique::simulation;
 use diagnostic::Problem;
 use evidence::{
     Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
-    SuspectKind, Symptom, put_right, signed_strength,
+    SuspectKind, Symptom, changed_places, put_right, signed_strength,
 };
-use explained::{Explained, PLAIN, balance, drop_limits_that_play_no_part, explained};
+use explained::{Explained, PLAIN, WAS_PLAIN, balance, drop_limits_that_play_no_part, explained};
 use host::{Events, Host};
 use judging::Judges;
 use judging::recording::ReadingRules;
@@ -103,7 +111,7 @@ type ModelValues = BTreeMap<PathBuf, Values>;
 
 /// What an edit does to the evidence.
 enum After {
-    /// It mends nothing by a few runs; whether it changes how pieces agree.
+    /// It fixes nothing by a few runs; whether it changes how pieces agree.
     Little { is_telling: bool },
     /// All evidence as it is then.
     All(Vec<Evidence>),
@@ -133,7 +141,11 @@ impl Diagnosing<'_> {
         let strong = before.iter().filter(|(_, apart)| **apart > STRONG);
         let strong: BTreeSet<&Subject> = strong.map(|((.., subject), _)| subject).collect();
         let few = self.few_as_they_are(&scratch, &now);
-        let all = candidates(self.study, &|subject| strong.contains(subject))?;
+        let all = candidates(
+            self.study,
+            &|subject| strong.contains(subject),
+            &self.fields(),
+        )?;
         let free: Vec<TextEdit> = all.iter().filter(|it| it.is_free()).cloned().collect();
         let context = Context {
             scratch: &scratch,
@@ -238,6 +250,7 @@ impl Diagnosing<'_> {
             hides: self.hidden_by(&evidence),
             prior: match !is_said && it.is_plain(&self.result.evidence, &evidence) {
                 true => PLAIN,
+                false if it.was_plain(&self.result.evidence, &evidence) => WAS_PLAIN,
                 false => 0.0,
             },
             ..it
@@ -365,7 +378,8 @@ impl Diagnosing<'_> {
         of_models.chain(of_trees).max_by(f64::total_cmp)
     }
 
-    /// What is explained, as by an edit, if what a table has the wrong way round is exchanged; the most of all tables.
+    /// What is explained, as by an edit, if what a table has the wrong way round is exchanged, or two pieces that changed
+    /// places are put back; the most of all.
     fn exchange(&self, before: &Pairs) -> Option<f64> {
         let margin = |subject: &Subject| self.margin(subject);
         let all = &self.result.evidence;
@@ -382,7 +396,29 @@ impl Diagnosing<'_> {
             let balance = balance(before, &after, &|_| true)?;
             Some(balance.weight() + odds.map_or(0.0, |odds| odds.min(0.0)))
         };
-        all.iter().filter_map(weight).max_by(f64::total_cmp)
+        let moved = |piece: &Evidence| {
+            let other = changed_places(all, piece, &margin)?;
+            let of = |it: &Evidence| match &it.id {
+                id if *id == piece.id => other.findings.clone(),
+                id if *id == other.id => piece.findings.clone(),
+                _ => it.findings.clone(),
+            };
+            let after: Vec<Evidence> = all
+                .iter()
+                .map(|it| Evidence {
+                    findings: of(it),
+                    ..it.clone()
+                })
+                .collect();
+            Some(balance(before, &self.disagreements(&after), &|_| true)?.weight())
+        };
+        let found = all.iter().filter_map(|piece| {
+            weight(piece)
+                .into_iter()
+                .chain(moved(piece))
+                .max_by(f64::total_cmp)
+        });
+        found.max_by(f64::total_cmp)
     }
 
     /// How strongly the pieces that speak for themselves disagree, pair by pair.
@@ -403,8 +439,11 @@ impl Diagnosing<'_> {
                 for finding in &one.findings {
                     let subject = &finding.subject;
                     let rates = (Rate::on(one, subject), Rate::on(other, subject));
-                    if let ((Some(a), Some(b)), true) = (rates, self.is_own(subject)) {
-                        let apart = signed_strength(a, b, self.margin(subject));
+                    let apart = match rates {
+                        (Some(a), Some(b)) => Some(signed_strength(a, b, self.margin(subject))),
+                        _ => self.never_triggered([one, other], subject),
+                    };
+                    if let (Some(apart), true) = (apart, self.is_own(subject)) {
                         pairs.insert((one.id.clone(), other.id.clone(), subject.clone()), apart);
                     }
                 }
@@ -464,10 +503,15 @@ impl Diagnosing<'_> {
         known: &[Finding],
     ) -> Result<Vec<Finding>, Problem> {
         let cannot = || {
+            // The program has made this value, so the ledger is not at fault.
             Problem::new(
-                "bad-ledger",
-                format!("`{}` cannot be read as a time", edit.new),
+                "bad-candidate",
+                format!(
+                    "the mission time that was tried for {} must be a number (got `{}`)",
+                    entry.id, edit.new
+                ),
             )
+            .remedy("this is a mistake of this program, not of the study: report it")
         };
         let time: f64 = edit.new.parse().map_err(|_| cannot())?;
         // What there is to warn of was said when the study ran.

@@ -44,7 +44,7 @@ impl Diagnosing<'_> {
     pub(super) fn events(&self, gathered: &mut Gathered) -> Result<(), Problem> {
         let file = Path::new("exploration.toml");
         if !self.study.folder.join(file).exists() {
-            let said = "no exploration.toml says by which propositions runs and models are told";
+            let said = "no exploration.toml defines the propositions that states are compared by";
             gathered
                 .not_done
                 .push(format!("unmodelled behaviour: {said}"));
@@ -252,11 +252,7 @@ impl Diagnosing<'_> {
 
     /// The declared margin of a subject.
     pub(super) fn margin(&self, subject: &Subject) -> f64 {
-        let requirements = self.study.requirements.iter().map(|r| (&r.id, r.margin));
-        let modes = self.study.failure_modes.iter().map(|m| (&m.id, m.margin));
-        let mut all = requirements.chain(modes);
-        all.find(|(id, _)| *id == subject.id())
-            .map_or(0.0, |(_, margin)| margin)
+        self.study.margin(subject)
     }
 
     fn interval(&self, count: u64, of: u64) -> Option<Interval> {

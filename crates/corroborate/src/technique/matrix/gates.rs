@@ -7,6 +7,9 @@
 //! ([`refinement::Ground::of_named_numbers`]) weighs more, although it is free ([`refinement::FREE_VALUE`]), it says the line
 //! instead.
 //!
+//! # Assumes
+//! That of [`super::lines`].
+//!
 //! # Guarantee
 //! That of [`super::lines`].
 
@@ -57,7 +60,7 @@ impl Diagnosing<'_> {
         Ok(found)
     }
 
-    /// Gives the trees among the suspects the lines that a change mends.
+    /// Gives the trees among the suspects the lines that a change fixes.
     pub(super) fn tree_lines(
         &self,
         suspects: &mut [Suspect],

@@ -6,6 +6,9 @@
 //! repair what it is named for, the first says the line: the first one that it changes. Other numbers that the evidence
 //! does not tell apart from it are named with their lines. Fault trees are in [`super::gates`].
 //!
+//! # Assumes
+//! One change is enough: all else of the model is right. What changes explain is weighed as `refinement` says.
+//!
 //! # Guarantee
 //! A line is where one change makes the evidence agree, not a proof that it is wrong; the score stays that of the model.
 
@@ -48,7 +51,7 @@ impl OfModel {
 }
 
 impl Diagnosing<'_> {
-    /// Gives the models among the suspects the lines that a change mends.
+    /// Gives the models among the suspects the lines that a change fixes.
     pub(super) fn lines(
         &self,
         suspects: &mut [Suspect],
@@ -175,12 +178,15 @@ fn best_for<'c>(
     let repairs = |subject: &Subject| {
         harmless().find(|(.., trial)| trial.repairs.iter().any(|it| &it.subject == subject))
     };
-    let first = subjects.iter().find_map(own);
+    // A branch that is lacking is offered only where no change weighs more.
+    let lacking = harmless()
+        .find(|(change, ..)| change.is_of_lacking_branch() && subjects.contains(&change.subject()));
+    let first = lacking.or_else(|| subjects.iter().find_map(own));
     let (change, changed, _) = first.or_else(|| subjects.iter().find_map(repairs))?;
     Some((change, changed))
 }
 
-/// Says the line that a change mends, and those that are not told apart from it.
+/// Says the line that a change fixes, and those that are not told apart from it.
 fn point(suspect: &mut Suspect, text: &str, change: &ModelChange, changed: &Changed) {
     suspect.asset.line = changed_line(text, &changed.text);
     let part = match change {
@@ -188,9 +194,21 @@ fn point(suspect: &mut Suspect, text: &str, change: &ModelChange, changed: &Chan
         ModelChange::Branchless { branch, .. } => {
             format!("branch `{}`", branch.written(text).unwrap_or_default())
         }
+        ModelChange::Branch {
+            at: Some(place),
+            occurs,
+            ..
+        } => {
+            suspect.asset.line = place.line(text);
+            format!("a branch to `{occurs}`")
+        }
+        ModelChange::Split { split, .. } => {
+            suspect.asset.line = split.line(text);
+            format!("a branch `{}`", split.written())
+        }
         ModelChange::Rate { .. } | ModelChange::Branch { .. } | ModelChange::Once { .. } => return,
     };
-    if let ModelChange::Branchless { .. } = change {
+    if let ModelChange::Branchless { .. } | ModelChange::Split { .. } = change {
         suspect
             .explanation
             .push_str(&format!(" With {} the evidence agrees.", changed.what));

@@ -6,6 +6,10 @@
 //! subjects, there, and by the number of such columns, here: any of them may be the one. The score is the decimal logarithm
 //! of that.
 //!
+//! # Assumes
+//! As [`stats::outlier()`]: subjects are independent, and alike are those whose rates are draws of one beta distribution.
+//! Nothing of how columns depend on each other.
+//!
 //! # Guarantee
 //! In a study whose subjects are all alike, somebody is named with a score of `s` or more in at most `10^-s` of all cases for
 //! each table (Markov's inequality for e-values), on average over the clustering that [`stats::outlier()`] takes for
@@ -47,7 +51,7 @@ impl Diagnosing<'_> {
             }
             if let (0, Some(first)) = (named, counted.first()) {
                 gathered.in_order.push(format!(
-                    "{}: no one of {} rows of {} differs from all others beyond chance",
+                    "{}: none of {} rows of {} differs from all others beyond chance",
                     entry.id,
                     first.rows.len(),
                     file.display()

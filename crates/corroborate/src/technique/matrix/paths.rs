@@ -12,6 +12,13 @@
 //! A path ends where the model can only stay as it is; from there on LTL on finite traces and on infinite
 //! ones agree. One that is cut after [`LONGEST`] steps is incomplete, so that what the rest might decide is
 //! undecided.
+//!
+//! # Assumes
+//! Draws from the seeds are as good as independent uniform ones.
+//!
+//! # Guarantee
+//! Paths are independent samples of the model's distribution over paths, each with a seed of its own. A path of which the rest
+//! could decide is undecided, never kept or violated.
 
 use super::super::exploration::{Formal, Meaning};
 use checker::{Visit, sample_path};
@@ -25,8 +32,8 @@ use temporal::formula::{Formula, TimeModel, TimeUnit};
 use temporal::monitor::Stage;
 use trace::{Field, Trace};
 
-/// Steps after which a path is cut.
-const LONGEST: u64 = 100_000;
+/// Steps after which a path is cut: of a chain that never comes to rest all paths are this long, thousands of them.
+const LONGEST: u64 = 10_000;
 
 /// The topic of the propositions.
 const TOPIC: &str = "/model";
@@ -67,7 +74,7 @@ impl ModelPaths {
         if !formal.space.choice_start.is_empty() {
             return Err(Problem::new(
                 "open-choices",
-                format!("{id} leaves choices open, so that it has no one distribution of paths"),
+                format!("{id} leaves choices open, so it has no single distribution of paths"),
             )
             .remedy("ask for the least and the greatest value over all schedulers instead"));
         }

@@ -72,8 +72,7 @@ impl Diagnosing<'_> {
         episodes: u64,
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
-        let library = self.setting.physics_library.as_deref();
-        let rig = rigs::of_entry(self.study, entry, library)?;
+        let rig = rigs::of_entry(self.study, entry, self.setting)?;
         let step = rig.time_step_key().and_then(|key| {
             let step_secs = value_at(rig.data(), key)?.as_float()?;
             Some((key, step_secs))
@@ -128,7 +127,7 @@ impl Diagnosing<'_> {
         episodes: u64,
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
-        let second = match rigs::in_second_engine(self.study, entry) {
+        let second = match rigs::in_second_engine(self.study, entry, self.setting) {
             Err(problem) if problem.code == "one-engine" => {
                 let said =
                     "the handover's contacts are written for MuJoCo; scenes can be run in both";
@@ -139,8 +138,7 @@ impl Diagnosing<'_> {
             }
             second => second?,
         };
-        let library = self.setting.physics_library.as_deref();
-        let rigs = [rigs::of_entry(self.study, entry, library)?, second];
+        let rigs = [rigs::of_entry(self.study, entry, self.setting)?, second];
         let run = |changed: usize, seed: u64| {
             let rig = &rigs[changed];
             rig.run(rig.stimulus(), seed, &mut Unwatched, &self.setting.cancel)

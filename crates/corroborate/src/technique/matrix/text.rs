@@ -123,7 +123,7 @@ fn suspected(suspect: &Suspect, study: &str, out: &mut String) {
         let _ = writeln!(out, "     ruled out: {reason}");
     }
     if let Some(id) = &suspect.resolved_by {
-        let _ = writeln!(out, "     mended in {id}");
+        let _ = writeln!(out, "     fixed in {id}");
     }
 }
 

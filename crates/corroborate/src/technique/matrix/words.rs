@@ -3,18 +3,22 @@
 //! # Definition
 //! A simulator's episodes and recordings are judged by the words of vocabulary.toml on the signals of topics.toml, with the
 //! limits of parameters.toml. Where such a piece is suspected because its rate differs from that of another, and no other
-//! piece that is read so agrees with that other one, these files are named with the suspect: a wrong word would show the
-//! same.
+//! piece that is read so agrees with that other one, these files are named with the suspect, and requirements.toml where its monitor
+//! was written by hand: a wrong word would show the same. With a formal model of which no line is named the words and the property go
+//! through which it is asked.
 //!
 //! Where several pieces that are read so agree, and differ from another, what they are read through is a suspect of its own. It
 //! is named by the line of a monitor that was written by hand or, without one, of the last predicate that the requirement
 //! reads; before others those that nothing reads that agrees. All others are named with it.
 //!
+//! # Assumes
+//! Nothing of the data.
+//!
 //! # Guarantee
 //! None: that a file is named says that what was shown does not tell it apart.
 
 use super::Diagnosing;
-use super::candidates::of_monitor;
+use super::candidates::{clauses::of_property, of_monitor};
 use evidence::{
     CERTAIN, Evidence, Rate, STRONG, Subject, Suspect, SuspectKind, Symptom, signed_strength,
 };
@@ -150,12 +154,12 @@ impl Diagnosing<'_> {
     /// Names the words that a suspect is read through where nothing else confirms them.
     pub(super) fn words(&self, suspects: &mut [Suspect]) {
         for suspect in suspects {
-            if !suspect.is_open()
-                || !matches!(
-                    suspect.asset.kind,
-                    SuspectKind::Simulation | SuspectKind::Data
-                )
-            {
+            let is_looked_at = match suspect.asset.kind {
+                SuspectKind::Simulation | SuspectKind::Data => true,
+                SuspectKind::FormalModel => suspect.asset.line.is_none(),
+                _ => false,
+            };
+            if !suspect.is_open() || !is_looked_at {
                 continue;
             }
             let mut files: Vec<String> = Vec::new();
@@ -194,9 +198,14 @@ impl Diagnosing<'_> {
                 _ => false,
             }
         };
+        let is_of_model = piece(evidence).is_some_and(|it| it.technique.is_of_model());
+        let is_read_so = |other: &Evidence| match is_of_model {
+            true => other.technique.is_of_model(),
+            false => self.is_read(&other.id),
+        };
         let mut others = self.result.evidence.iter();
         // The other piece itself may be read so, too.
-        others.any(|other| other.id != evidence && self.is_read(&other.id) && agrees(other))
+        others.any(|other| other.id != evidence && is_read_so(other) && agrees(other))
     }
 
     /// Whether the runs of a piece are judged by the vocabulary's predicates on traces.
@@ -210,6 +219,9 @@ impl Diagnosing<'_> {
         let Ok(entry) = self.study.entry(evidence) else {
             return Vec::new();
         };
+        if entry.work.model().is_some() {
+            return self.asked_through(subject);
+        }
         if !self.is_read(evidence) {
             return Vec::new();
         }
@@ -218,10 +230,30 @@ impl Diagnosing<'_> {
         let form = self.study.forms.of(subject);
         let has_limits =
             form.is_some_and(|form| super::candidates::reads_parameters(self.study, form));
+        let by_hand = form.and_then(|form| form.monitor.as_ref());
+        let by_hand = by_hand.is_some_and(|monitor| !monitor.from_sentence);
         let files = [
             Some("vocabulary.toml"),
             has_topics.then_some("topics.toml"),
             has_limits.then_some("parameters.toml"),
+            by_hand.then_some("requirements.toml"),
+        ];
+        files.into_iter().flatten().map(str::to_owned).collect()
+    }
+
+    /// The files of the words and the property through which a formal model is asked.
+    fn asked_through(&self, subject: &Subject) -> Vec<String> {
+        let Some(form) = self.study.forms.of(subject) else {
+            return Vec::new();
+        };
+        let words = &self.study.vocabulary.propositions;
+        let has_words = of_property(form)
+            .iter()
+            .any(|name| words.get(name).is_some_and(|it| it.model.is_some()));
+        let by_hand = form.property.as_ref().is_some_and(|it| !it.from_sentence);
+        let files = [
+            has_words.then_some("vocabulary.toml"),
+            by_hand.then_some("requirements.toml"),
         ];
         files.into_iter().flatten().map(str::to_owned).collect()
     }

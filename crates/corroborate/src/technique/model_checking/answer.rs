@@ -40,21 +40,7 @@ pub fn answer(
         method: method.name().to_owned(),
         value,
         complement: answer.sharp_complement(),
-        guarantee: match &answer.guarantee {
-            checker::Guarantee::Exact => Guarantee::Exact {
-                rational: rational.filter(|text| text.len() <= 60),
-            },
-            checker::Guarantee::Bounded { low, high } => Guarantee::Bounded {
-                low: *low,
-                high: *high,
-            },
-            checker::Guarantee::Estimated { reason } => Guarantee::Estimated {
-                reason: reason.clone(),
-            },
-            checker::Guarantee::Statistical { .. } => Guarantee::Estimated {
-                reason: "a statistical answer".into(),
-            },
-        },
+        guarantee: Guarantee::of(&answer.guarantee, rational.filter(|text| text.len() <= 60)),
         iterations: (answer.iterations > 0).then_some(answer.iterations),
     })
 }

@@ -23,6 +23,9 @@
 //! quotients of optima: the checker finds them in the process with restarts (Baier, Klein, Klüppelholz and Märcker
 //! 2014), over the schedulers under which `C` is possible (`super::schedulers`).
 //!
+//! # Assumes
+//! The bounds of both probabilities hold.
+//!
 //! # Guarantee
 //! The bounds of the quotient are those that the bounds of both probabilities imply, rounded outwards.
 

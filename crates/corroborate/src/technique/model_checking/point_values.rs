@@ -17,6 +17,15 @@ impl Compiled<'_> {
         constants: &[(String, f64)],
         cancel: &(dyn Fn() -> bool + Sync),
     ) -> Result<BTreeMap<Subject, Option<f64>>, Problem> {
+        Ok(self.values_and_deadlocks(constants, cancel)?.0)
+    }
+
+    /// The same, and in how many states nothing can happen.
+    pub fn values_and_deadlocks(
+        &self,
+        constants: &[(String, f64)],
+        cancel: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(BTreeMap<Subject, Option<f64>>, usize), Problem> {
         let model = self.model_at(constants)?;
         let space = explore::<f64>(&self.source, &model, MAX_STATES, cancel)?;
         let mut known: BTreeMap<String, f64> = BTreeMap::new();
@@ -37,6 +46,6 @@ impl Compiled<'_> {
             };
             values.insert(question.subject.clone(), rate);
         }
-        Ok(values)
+        Ok((values, space.deadlocks().len()))
     }
 }

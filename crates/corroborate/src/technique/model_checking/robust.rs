@@ -17,8 +17,7 @@ impl Compiled<'_> {
         cancel: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<RobustBounds>, Problem> {
         // One range for each constant: the box holds the ties between those of one source, too.
-        let posterior = |it: &CountedConstant| stats::BetaPosterior::jeffreys(it.sample);
-        let posteriors: Vec<_> = counted.iter().map(posterior).collect();
+        let posteriors: Vec<_> = counted.iter().map(|it| it.posterior).collect();
         let within = stats::credible_box(&posteriors, level);
         let constants: Vec<ConstantInterval> = counted
             .iter()

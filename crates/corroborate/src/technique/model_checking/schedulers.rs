@@ -5,6 +5,9 @@
 //! `[inf P, sup P]` over all schedulers, whichever of `P=?`, `Pmin=?` and `Pmax=?` the study writes. The answer's value is
 //! that of the worst scheduler: the least probability of a requirement, the greatest of a failure mode.
 //!
+//! # Assumes
+//! The bounds of both ends hold. Nothing of how choices are made.
+//!
 //! # Guarantee
 //! The range holds for every scheduler, with memory and with chance, as the bounds of both ends do: it reaches from
 //! the lower bound of the least to the upper bound of the greatest probability. An end without bounds gives a range

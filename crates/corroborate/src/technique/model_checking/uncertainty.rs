@@ -2,7 +2,8 @@
 //! model.
 //!
 //! # Definition
-//! Each source of counts (`technique::counted`) has the Jeffreys posterior of its counts, independent of the others; the
+//! Each source of counts (`technique::counted`) has the Jeffreys posterior of its counts, over all that its runs without a
+//! verdict may have shown, independent of the others; the
 //! constants that were set to it have one value. The posterior of a probability is that of the model's answer
 //! when the constants are drawn from theirs. It is found from the answers
 //! at the points of a low-discrepancy design, all questions on the same points
@@ -15,6 +16,10 @@
 //! has a distribution; the interval reaches from the lower limit of the least to the upper limit of the greatest, each at
 //! half of what the level leaves, so that the whole range lies within with at least the level's posterior probability
 //! (Bonferroni's inequality, `evidence::CredibleInterval::of_ends`).
+//!
+//! # Assumes
+//! Sources of counts are independent of each other, with Jeffreys' priors, and their trials are, or count at their
+//! effective size. The model is right but for these constants.
 //!
 //! # Guarantee
 //! None but convergence: the quantiles are estimates from the design's points, and the shares come with their
@@ -60,10 +65,12 @@ impl Compiled<'_> {
     ) -> Result<Vec<Influence>, Problem> {
         let mut influences = Vec::new();
         for constant in held {
-            let posterior = stats::BetaPosterior::jeffreys(constant.sample);
             let as_written = self.solve_at(&[], &[], cancel)?;
-            let moved =
-                self.solve_at(std::slice::from_ref(constant), &[posterior.mean()], cancel)?;
+            let moved = self.solve_at(
+                std::slice::from_ref(constant),
+                &[constant.posterior.mean()],
+                cancel,
+            )?;
             for (place, question) in self.questions.iter().enumerate() {
                 if let (Subject::Requirement(requirement), Subject::FailureMode(mode)) =
                     (question.subject, &constant.subject)

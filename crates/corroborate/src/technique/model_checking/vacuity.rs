@@ -15,6 +15,9 @@
 //! Nothing is said where the variables have more than [`MAX_VALUATIONS`] valuations, where there are more than
 //! [`MAX_ATOMS`] atoms or [`MAX_VALUES`] joint values, and of bounds in continuous time.
 //!
+//! # Assumes
+//! Nothing of the data.
+//!
 //! # Guarantee
 //! What is said to be constant is: all joint values are tried, and probabilities of 0 and 1 are found on the graph.
 

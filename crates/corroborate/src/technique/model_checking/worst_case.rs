@@ -7,6 +7,9 @@
 //! chooses and what they change. Those that `exploration.toml` maps to actions of a bench (`[[step]]` tables) are an
 //! abstract test, in the form of a finding, which `replay` runs and judges.
 //!
+//! # Assumes
+//! `exploration.toml` maps actions to what the bench does for them.
+//!
 //! # Guarantee
 //! The path is one of the model. That the bench goes the same way is not said: the test does what the environment does on
 //! the path, the system does what it does. A path is a witness; how often the bench shows it is no rate.
@@ -164,7 +167,7 @@ impl Compiled<'_> {
             Err(CheckError::Cancelled) => Err(Problem::interrupted()),
             Err(error) => Ok(Err(error.to_string())),
             Ok(None) => Ok(Err(
-                "its formula is none of F, G, U, W and R over states, without a bound where it fails by running out"
+                "its formula must be F, G, U, W or R over states, without a bound where it fails by running out"
                     .to_owned(),
             )),
             Ok(Some(path)) => Ok(Ok(path)),
@@ -240,7 +243,7 @@ impl Compiled<'_> {
         };
         let text = finding.to_toml(&format!(
             "What the worst scheduler of {id} does on the most probable path on which requirement {requirement} fails.\n\
-             {} of its {} steps are none of a test: the system's own, or time.",
+             {} of its {} steps are not part of a test: the system's own, or time.",
             made.unmapped.len(),
             steps.len()
         ))?;

@@ -2,7 +2,7 @@
 //! first order.
 
 use super::*;
-use evidence::Counted;
+use evidence::{Counted, changed_places};
 
 fn suspects(ledger: &[Evidence], conflicts: &[Comparison], more: Vec<Clue>) -> Vec<Suspect> {
     let (requirements, failure_modes) = (requirements(), modes());
@@ -135,7 +135,7 @@ fn columns_and_rows_of_requirements_that_were_exchanged_are_located_in_their_tab
         "{found:?}"
     );
 
-    // Wrong, and no exchange mends it; and one alone that says the contrary of a requirement that is rarely kept.
+    // Wrong, and no exchange fixes it; and one alone that says the contrary of a requirement that is rarely kept.
     for (model, passed) in [([0.868, 0.6], [106, 200]), ([0.132, 0.6], [694, 480])] {
         let ledger = with_requirements(model, passed);
         let found = first(&ledger);
@@ -259,4 +259,77 @@ fn the_rest_of_an_error_of_first_order_is_the_steps() {
     assert!((step + model - by_chance - rest).abs() < 1e-9);
     // Nothing is halved in another engine.
     assert_eq!(shares("the full physics", 1.2)[1], rest);
+}
+
+/// Tables of two conditions, each with what was counted under the other; the model of the second, and a simulator.
+#[test]
+fn tables_of_two_conditions_that_changed_places_are_told() {
+    let under = |conditions: &str, piece: Evidence| Evidence {
+        conditions: conditions.into(),
+        ..piece
+    };
+    let requirement = || requirement("1a");
+    let formal = |id, file, value| {
+        let findings = vec![computed(requirement(), value)];
+        piece(id, Technique::ModelChecking, file, findings)
+    };
+    let table = |id, file, count| {
+        let findings = vec![counted(requirement(), count, 200)];
+        piece(id, Technique::Experiment, file, findings)
+    };
+    let study = |calm: u64, windy: u64, simulated: u64| {
+        let findings = vec![counted(requirement(), simulated, 200)];
+        let simulated = piece("S", Technique::Simulation, "s.toml", findings);
+        vec![
+            formal("M1", "calm.prism", 0.9),
+            under("windy", formal("M2", "windy.prism", 0.6)),
+            table("T1", "calm.csv", calm),
+            under("windy", table("T2", "windy.csv", windy)),
+            under("windy", simulated),
+        ]
+    };
+    let margin = |_: &Subject| 0.05;
+    let swapped = study(121, 181, 118);
+    let other = |ledger: &[Evidence], place: usize| {
+        changed_places(ledger, &ledger[place], &margin).map(|it| it.id.clone())
+    };
+    assert_eq!(other(&swapped, 2).as_deref(), Some("T2"));
+    assert_eq!(other(&swapped, 3).as_deref(), Some("T1"));
+    // The models would not agree with the simulator then.
+    assert_eq!(other(&swapped, 0), None);
+    let conflicts = [
+        conflict(requirement(), "M1", "T1"),
+        conflict(requirement(), "M2", "T2"),
+        conflict(requirement(), "S", "T2"),
+    ];
+    let found = suspects(&swapped, &conflicts, vec![]);
+    assert!(found[0].title.contains("changed places"), "{found:?}");
+    assert_eq!(
+        found[0].asset.file.as_deref(),
+        Some("ledger.toml"),
+        "{found:?}"
+    );
+    assert!(found[0].asset.together.contains(&"calm.csv".to_owned()));
+    // One of them is wrong, and fits nowhere; or is right where it stands.
+    for ledger in [
+        study(121, 140, 118),
+        study(181, 121, 118),
+        study(121, 121, 118),
+    ] {
+        assert!((0..ledger.len()).all(|place| other(&ledger, place).is_none()));
+    }
+    // Without a simulator the models may be what changed places.
+    let without = &swapped[..4];
+    assert_eq!(other(without, 0).as_deref(), Some("M2"));
+    let found = suspects(without, &conflicts[..2], vec![]);
+    let parts: Vec<&str> = found
+        .iter()
+        .filter_map(|it| it.asset.part.as_deref())
+        .collect();
+    let both = ["the files of M1 and M2", "the files of T1 and T2"];
+    assert!(both.iter().all(|it| parts.contains(it)), "{found:?}");
+    assert!(
+        found[0].asset.together.contains(&"calm.prism".to_owned()),
+        "{found:?}"
+    );
 }

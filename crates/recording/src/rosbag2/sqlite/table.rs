@@ -169,7 +169,7 @@ impl TableScan {
         })?;
         if row.len > pager.content_bytes() {
             let message = format!(
-                "row {} is told to be longer than the file and is lost",
+                "row {} claims to be longer than the file; it is lost",
                 row.id
             );
             return Err(Damage::new(offset, message));

@@ -142,7 +142,7 @@ fn check_by_field(
     for (name, distribution) in errors {
         let key = format!("{list}.{name}");
         if !keys.contains(name) {
-            let problem = format!("is none of {}", keys.join(", "));
+            let problem = format!("is unknown; it may be one of {}", keys.join(", "));
             return Err(ScenarioError::value(&key, &problem));
         }
         within(&key, distribution, low, 1e6)?;

@@ -377,7 +377,7 @@ impl Actuator {
             within(&key("acceleration_m_s2"), acceleration_m_s2, 1e-3, 1e3)?;
             within(&key("deceleration_m_s2"), deceleration_m_s2, 1e-3, 1e3)?;
             if left_joints.is_empty() || right_joints.is_empty() {
-                let problem = "names no joint; a drive has wheels on both sides";
+                let problem = "is empty; a drive needs joints on both sides";
                 return Err(ScenarioError::value(
                     &key("left_joints, right_joints"),
                     problem,

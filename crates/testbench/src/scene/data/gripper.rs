@@ -161,7 +161,10 @@ impl Gripper {
             wrong.extend(each.filter_map(|it| number_within(&key(field), *it, *low, 1e6).err()));
         }
         if self.tool_point().is_none() && count == 0 {
-            wrong.push(ScenarioError::value(&key("joints"), "names no joint"));
+            wrong.push(ScenarioError::value(
+                &key("joints"),
+                "must name at least one joint",
+            ));
         }
         if let GripperKind::Parallel { open, closed, .. } = &self.kind
             && open.iter().zip(closed).any(|(open, closed)| open == closed)

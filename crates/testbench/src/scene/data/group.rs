@@ -175,7 +175,7 @@ impl Group {
             wrong.push(ScenarioError::value(&self.key(field), problem));
         };
         if self.joints.is_empty() {
-            tell("joints", "names no joint");
+            tell("joints", "must name at least one joint");
         }
         for (place, joint) in self.joints.iter().enumerate() {
             if self.joints[..place].contains(joint) {
@@ -245,7 +245,7 @@ impl Group {
                 (true, false) => tell(field, &format!("is missing: the mode `{mode}` needs it")),
                 (false, true) => tell(
                     field,
-                    &format!("has no meaning in the mode `{mode}`; leave it out"),
+                    &format!("is not used in the mode `{mode}`; leave it out"),
                 ),
                 _ => {}
             }
@@ -253,7 +253,7 @@ impl Group {
         let is_led = needs_stiffness;
         if !is_led && self.profile.is_some() {
             let problem = format!(
-                "has no meaning in the mode `{mode}`: goals and trajectories are of `position` and `impedance`"
+                "is not used in the mode `{mode}`: goals and trajectories are of `position` and `impedance`"
             );
             tell("profile", &problem);
         }

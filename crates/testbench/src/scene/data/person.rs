@@ -446,7 +446,7 @@ impl Person {
             if is_given {
                 tell(
                     field,
-                    "has no meaning with `capture`: the recording is replayed as it is",
+                    "is not used with `capture`: the recording is replayed as it is",
                 );
             }
         }

@@ -557,7 +557,7 @@ impl Sensor {
             let key = key_of("sensor", &self.name, &format!("{list}.{name}"));
             let keys: Vec<String> = fields.iter().map(key_with_unit).collect();
             if !keys.contains(name) {
-                let problem = format!("is none of {}", keys.join(", "));
+                let problem = format!("is unknown; it may be one of {}", keys.join(", "));
                 return Err(ScenarioError::value(&key, &problem));
             }
             within(&key, distribution, low, 1e6)?;
@@ -621,7 +621,7 @@ impl Sensor {
                 number_within(&key("widest_angle_rad"), *widest_angle_rad, 1e-3, 1.571)?;
                 let is_direction = |facing: &Vector| norm(*facing) > 1e-6;
                 if !facing.as_ref().is_none_or(is_direction) {
-                    let problem = "is no direction; name one, such as [1.0, 0.0, 0.0]";
+                    let problem = "must have a direction, such as [1.0, 0.0, 0.0]";
                     return Err(ScenarioError::value(&key("facing"), problem));
                 }
                 let probability = key("detection_probability");

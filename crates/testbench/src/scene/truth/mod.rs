@@ -136,7 +136,7 @@ impl Declared {
         };
         let (engine, _) = physics.engine();
         let problem = format!(
-            "is of a link that is fixed to the world, of whose forces {engine} knows nothing; use MuJoCo, or read `drive_torque`"
+            "is of a link that is fixed to the world, whose forces {engine} does not compute; use MuJoCo, or read `drive_torque`"
         );
         let name = format!("{}.{}", signal.topic, signal.field.name);
         Err(ScenarioError::value(&name, &problem))

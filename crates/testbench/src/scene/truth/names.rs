@@ -83,7 +83,7 @@ impl Lexicon<'_> {
             similar,
         };
         let Some(part) = self.part_of(name) else {
-            let reason = "names nothing in the scene that truth is told of";
+            let reason = "does not begin with a thing of the scene";
             return Err(unknown(reason, self.similar_topics(name)));
         };
         let field = &name[part.topic().len() + 1..];
@@ -102,7 +102,7 @@ impl Lexicon<'_> {
                 fields.extend(always.map(|field| field.name.clone()));
                 let near = nearest_few(field, fields.iter().map(String::as_str), SIMILAR);
                 let similar = near.iter().map(|it| format!("{}.{it}", part.topic()));
-                let reason = format!("is no quantity of {}", part.label);
+                let reason = format!("is not a quantity of {}", part.label);
                 Err(unknown(&reason, similar.collect()))
             }
         }
@@ -170,10 +170,12 @@ impl Lexicon<'_> {
             .ok_or(None)?;
         let (shapes, never_yields) = self.others(part, other).ok_or(None)?;
         if part.shapes.is_empty() || shapes.is_empty() {
-            return Err(Some("is not told: one of both has no surface".to_owned()));
+            return Err(Some(
+                "is not available: one of them has no surface".to_owned(),
+            ));
         }
         if part.never_yields && never_yields {
-            let reason = "is not told: neither of both gives way, so that no engine knows a contact; use `distance_to`";
+            let reason = "is not available: neither of them gives way, so no engine computes a contact; use `distance_to`";
             return Err(Some(reason.to_owned()));
         }
         let owned = match told.quantity {
@@ -199,7 +201,7 @@ impl Lexicon<'_> {
         }
         let (shapes, _) = self.others(part, other).ok_or(None)?;
         if part.shapes.is_empty() || shapes.is_empty() {
-            let reason = "is not told: one of both has no surface; use `origin_distance_to`";
+            let reason = "is not available: one of them has no surface; use `origin_distance_to`";
             return Err(Some(reason.to_owned()));
         }
         Ok((recorded, Quantity::Distance(shapes)))
@@ -216,7 +218,9 @@ impl Lexicon<'_> {
         let place = regions.iter().position(|known| known.name == region);
         let place = place.ok_or(None)?;
         if told.quantity == OfRegion::WhollyIn && part.shapes.is_empty() {
-            return Err(Some("is not told: it has no surface; use `in`".to_owned()));
+            return Err(Some(
+                "is not available: it has no surface; use `in`".to_owned(),
+            ));
         }
         let recorded = field_of(told, field, told.unit, part);
         Ok((recorded, Quantity::Region(place, told.quantity)))
@@ -229,12 +233,12 @@ impl Lexicon<'_> {
         let joint = *thing.joints.get(name).ok_or(None)?;
         let plan = &self.layout.joints[joint];
         if told.quantity == OfJoint::LimitDistance && plan.range.is_none() {
-            return Err(Some("is not told: the joint has no limits".to_owned()));
+            return Err(Some("is not available: the joint has no limits".to_owned()));
         }
         let of_body = self.layout.joints.iter().filter(|it| it.body == plan.body);
         if told.quantity == OfJoint::Torque && of_body.count() > 1 {
             let reason =
-                "is not told: the joint is one of several of its link, which bear together";
+                "is not available: the joint is one of several of its link, which bear together";
             return Err(Some(reason.to_owned()));
         }
         let unit = match plan.kind {

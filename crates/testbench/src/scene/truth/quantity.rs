@@ -477,15 +477,15 @@ pub(super) const DISTANCES: [Told<bool>; 2] = [
 ];
 
 /// What is asked for and there is not, and what to do instead.
-pub(super) const PRESSURE: &str = "is not offered: bodies are rigid here and touch at points, so that no engine knows an area of contact; divide `normal_force` by the area that was measured or is assumed, for example `/truth/arm.contact.anna.normal_force / (1 cm^2)`";
+pub(super) const PRESSURE: &str = "is not offered: bodies are rigid here and touch at points, so no engine computes an area of contact; divide `normal_force` by the area that was measured or is assumed, for example `/truth/arm.contact.anna.normal_force / (1 cm^2)`";
 
 /// Whose quantity it can be, or why not.
 pub(super) fn refusal(plain: Plain, part: &Part) -> Option<&'static str> {
     match plain {
         Plain::GraspedBy if part.kind != Kind::Object || !part.is_whole => {
-            Some("is told of whole objects only")
+            Some("is available for whole objects only")
         }
-        Plain::GraspedBy if part.never_yields => Some("is told of loose objects only"),
+        Plain::GraspedBy if part.never_yields => Some("is available for loose objects only"),
         Plain::KineticEnergy
         | Plain::PotentialEnergy
         | Plain::MechanicalEnergy

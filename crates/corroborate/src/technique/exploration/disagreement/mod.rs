@@ -93,19 +93,17 @@ impl<'a> Disagreement<'a> {
     ) -> Result<Self, Problem> {
         let Some(data) = &plan.data.disagreement else {
             return Err(plan
-                .mistake("", "it says nothing of disagreement")
+                .mistake("", "it has no [disagreement] table")
                 .remedy("add a [disagreement] table with the requirement and the contexts"));
         };
-        let margin = data.margin.or_else(|| {
-            let of = study.requirements.iter().find(|r| r.id == data.requirement);
-            of.map(|requirement| requirement.margin)
-        });
+        let subject = evidence::Subject::Requirement(data.requirement.clone());
+        let margin = data.margin.unwrap_or_else(|| study.margin(&subject));
         let explored = data.explore.unwrap_or(data.episodes * 2 / 5).max(1);
         Ok(Self {
             options: DisagreementOptions {
                 explore: usize::try_from(explored).unwrap_or(usize::MAX),
                 regions: data.regions,
-                margin: margin.unwrap_or(0.05),
+                margin,
                 confidence: study.about.confidence,
             },
             contexts: Contexts::new(study, plan, data, bench, interrupt)?,

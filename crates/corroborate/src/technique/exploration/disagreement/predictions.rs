@@ -39,7 +39,10 @@ impl<'a> Predictions<'a> {
             )
         })?;
         let Some(model) = study.entry(entry)?.work.model() else {
-            return Err(plan.mistake(entry, format!("`{entry}` is no formal model")));
+            let message = format!("`{entry}` is not a formal model");
+            return Err(
+                (plan.mistake(entry, message)).remedy("name an entry of the ledger with a `model`")
+            );
         };
         let compiled = Compiled::new(study, model)?;
         are_known(plan, data, &compiled)?;

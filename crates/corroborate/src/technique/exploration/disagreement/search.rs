@@ -67,7 +67,7 @@ pub fn map_again(
         disagreement.episodes = map.budget;
     }
     let entry = study.entry(plan.evidence(true))?;
-    let bench = OpenBench::of_entry(&study, entry, host.physics_library.as_deref())?;
+    let bench = OpenBench::of_entry(&study, entry, host)?;
     let folder = exploration_folder(results);
     let search = MapSearch {
         study: &study,

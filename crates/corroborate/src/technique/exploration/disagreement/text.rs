@@ -1,6 +1,7 @@
 //! Where model and bench part, for people.
 
 use crate::technique::campaign::failures_in_words;
+use diagnostic::counted;
 use evidence::{ContextRegion, DisagreementMap, RegionOutcome, SearchEnd};
 use std::fmt::{Result, Write};
 
@@ -20,13 +21,13 @@ fn write(map: &DisagreementMap, text: &mut String) -> Result {
     };
     writeln!(
         text,
-        "Where {} and {} part on requirement {}; differences up to {} do not matter\n",
+        "Where {} and {} disagree on requirement {}; differences up to {} do not matter\n",
         map.model, map.simulation, map.requirement, map.margin
     )?;
     writeln!(
         text,
-        "{} episodes ({}), {:.0} s simulated: {} led to the regions, {} fresh ones decide; ended by: {ended}",
-        map.episodes,
+        "{} ({}), {:.0} s simulated: {} led to the regions, {} fresh ones decide; ended by: {ended}",
+        counted(map.episodes, "episode"),
         map.engine,
         map.simulated_secs,
         map.explored,

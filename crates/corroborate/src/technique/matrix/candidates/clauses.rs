@@ -3,15 +3,21 @@
 //!
 //! # Definition
 //! Of every expression that a subject in disagreement reads, one of these at a time:
-//! * a `!` left out, or put before an operand that compares nothing or stands in parentheses; `=` for `!=`, and back;
-//! * `|` for `&`, and back;
+//! * a `!` or `not` left out, or put before an operand that compares nothing or stands in parentheses; `=` for `!=`, and back;
+//! * `|` for `&`, `or` for `and`, and back;
 //! * `<=` for `<`, `>=` for `>`, and back; in a `model` expression also the other way round (in a `trace` one
-//!   [`super::quantities`] does that);
+//!   [`super::quantities`] does that), and `=` for `<=` and `>=`, and back;
 //! * an operand of `&` or `|` left out;
 //! * in a `model` expression: a state of the variable that the model comes to and no proposition names, as a further case
-//!   beside `variable=value`; or `variable!=other` for it, where another proposition names `variable=other`.
+//!   beside `variable=value`; or `variable!=other` for it, where another proposition names `variable=other`;
+//! * in a `trace` expression that holds a signal against words, as `/robot.state == 'dropped'`: a further word that the proposition's
+//!   `model` names;
+//! * in a `model` expression of several cases: a Boolean variable of the model that no proposition names, as a further case.
 //!
 //! What is only another way to say the same (`!(a < b)` for `a >= b`) is tried once.
+//!
+//! # Assumes
+//! Nothing of the data. What is suggested is tried.
 //!
 //! # Guarantee
 //! That of [`super`]: none. Nothing but the further case has a hint, which is that a place is free for it.
@@ -42,6 +48,15 @@ pub(super) fn of_vocabulary(study: &Study, disagrees: &dyn Fn(&Subject) -> bool)
                     &mut found,
                 );
             }
+            let model = proposition.model.as_ref().map(|it| it.text.as_str());
+            for (new, hint) in cases_of_words(&place.text, model) {
+                // What the other binding of the same word says is said.
+                let edit = TextEdit {
+                    is_said: hint.is_some(),
+                    ..binding((name, "trace"), place, new, Reach::Runs, hint)
+                };
+                add(edit, &mut found);
+            }
         }
         let is_asked = forms().any(|form| of_property(form).contains(name));
         if let Some(place) = proposition.model.as_ref().filter(|_| is_asked) {
@@ -63,7 +78,7 @@ pub(super) fn of_vocabulary(study: &Study, disagrees: &dyn Fn(&Subject) -> bool)
 }
 
 /// The propositions that a form for models asks for, its trigger's among them.
-pub(super) fn of_property(form: &SubjectForm) -> BTreeSet<String> {
+pub(in super::super) fn of_property(form: &SubjectForm) -> BTreeSet<String> {
     let texts = [&form.property, &form.opportunity].into_iter().flatten();
     let names = texts.flat_map(|text| quoted_names(&text.text));
     let mut found: BTreeSet<String> = names.map(|(name, _)| name).collect();
@@ -115,6 +130,7 @@ impl Chain {
                 }
                 (None, b'&' | b'|') if depth == 0 => 1,
                 (None, b'=') if depth == 0 && bytes.get(at + 1) == Some(&b'>') => 2,
+                (None, b'a' | b'o') if depth == 0 => word_at(text, at, within.end),
                 (None, _) => 0,
             };
             if length > 0 {
@@ -133,7 +149,7 @@ impl Chain {
 
     fn is_plain(&self, text: &str) -> bool {
         let mut all = self.operators.iter();
-        all.all(|it| ["&", "|"].contains(&&text[it.clone()]))
+        all.all(|it| turned(&text[it.clone()]).is_some())
     }
 
     /// The text without one of its operands.
@@ -143,6 +159,40 @@ impl Chain {
             _ => self.operands[place - 1].end..self.operands[place].end,
         };
         put(text, gone, "")
+    }
+}
+
+/// The length of `and` or `or` where one stands as a word of its own, else 0.
+fn word_at(text: &str, at: usize, end: usize) -> usize {
+    let is_word = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || "_./".contains(c));
+    if is_word(text[..at].chars().next_back()) {
+        return 0;
+    }
+    let found = ["and", "or"].into_iter().find(|word| {
+        text[at..end].starts_with(word) && !is_word(text[at + word.len()..end].chars().next())
+    });
+    found.map_or(0, str::len)
+}
+
+/// `|` for `&`, and back; none of other operators.
+fn turned(operator: &str) -> Option<&'static str> {
+    Some(match operator {
+        "&" => "|",
+        "|" => "&",
+        "and" => "or",
+        "or" => "and",
+        _ => return None,
+    })
+}
+
+/// The length of a negation that an operand begins with, `!` or `not`; 0 without one.
+fn negation(operand: &str) -> usize {
+    let behind = operand.strip_prefix("not");
+    let is_word = behind.is_some_and(|it| it.starts_with(|c: char| c.is_whitespace() || c == '('));
+    match (operand.starts_with('!'), is_word) {
+        (true, _) => 1,
+        (false, true) => 3,
+        (false, false) => 0,
     }
 }
 
@@ -186,6 +236,9 @@ fn rewritten(text: &str, language: Language) -> Vec<String> {
         };
         found.push(put(text, span.clone(), &other));
         if language == Language::Model {
+            if sign.ends_with('=') {
+                found.push(put(text, span.clone(), "="));
+            }
             found.push(put(text, span, turned));
         }
     }
@@ -196,25 +249,34 @@ fn rewritten(text: &str, language: Language) -> Vec<String> {
 fn level(text: &str, within: Range<usize>, language: Language, found: &mut Vec<String>) {
     let chain = Chain::of(text, within);
     for operator in &chain.operators {
-        match &text[operator.clone()] {
-            "&" => found.push(put(text, operator.clone(), "|")),
-            "|" => found.push(put(text, operator.clone(), "&")),
-            _ => {}
-        }
+        let other = turned(&text[operator.clone()]);
+        found.extend(other.map(|other| put(text, operator.clone(), other)));
     }
     for (place, operand) in chain.operands.iter().enumerate() {
         if chain.operands.len() > 1 && chain.is_plain(text) {
             found.push(chain.without(text, place));
         }
         let own = &text[operand.clone()];
-        let rest = own.trim_start_matches(|c: char| c == '!' || c.is_whitespace());
+        let mut rest = own;
+        while negation(rest) > 0 {
+            rest = rest[negation(rest)..].trim_start();
+        }
         let bare = operand.end - rest.len()..operand.end;
-        match own.starts_with('!') {
-            true => found.push(put(text, operand.start..operand.start + 1, "")),
-            false if is_group(rest) || (compares_nothing(rest) && is_said_of_states(rest)) => {
+        match negation(own) {
+            1.. => found.push(
+                put(text, operand.start..operand.start + negation(own), "")
+                    .trim()
+                    .to_owned(),
+            ),
+            0 if is_group(rest) || (compares_nothing(rest) && is_said_of_states(rest)) => {
                 found.push(put(text, operand.start..operand.start, "!"));
             }
-            false => found.extend(unequal(text, &bare, language)),
+            0 => {
+                found.extend(unequal(text, &bare, language));
+                if language == Language::Model {
+                    found.extend(one_sided(text, &bare));
+                }
+            }
         }
         if is_group(rest) {
             level(text, bare.start + 1..bare.end - 1, language, found);
@@ -250,6 +312,68 @@ fn unequal(text: &str, within: &Range<usize>, language: Language) -> Option<Stri
     Some(put(text, place, "!="))
 }
 
+/// `>=` and `<=` for an equality.
+fn one_sided(text: &str, within: &Range<usize>) -> Vec<String> {
+    let own = &text[within.clone()];
+    let Some(at) = own.find('=').filter(|_| !own.contains(['!', '<', '>'])) else {
+        return Vec::new();
+    };
+    let place = within.start + at..within.start + at + 1;
+    let signs = [">=", "<="].into_iter();
+    signs.map(|sign| put(text, place.clone(), sign)).collect()
+}
+
+/// Further cases of an expression that holds a signal against a word: words that the proposition's `model` names. What other
+/// propositions hold the signal against is what this one is not.
+fn cases_of_words(text: &str, model: Option<&str>) -> Vec<(String, Option<String>)> {
+    let chain = Chain::of(text, 0..text.len());
+    if chain
+        .operators
+        .iter()
+        .any(|it| !["|", "or"].contains(&&text[it.clone()]))
+    {
+        return Vec::new();
+    }
+    let compared = |text: &str| -> Vec<(String, String)> {
+        let chain = Chain::of(text, 0..text.len());
+        let operands = chain.operands.into_iter();
+        operands
+            .filter_map(|it| word_comparison(&text[it]))
+            .collect()
+    };
+    let own = compared(text);
+    let Some((signal, _)) = own.first().cloned() else {
+        return Vec::new();
+    };
+    let is_known = |word: &str| own.iter().any(|(_, known)| known == word);
+    let mut found: Vec<(String, Option<String>)> = Vec::new();
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let names = model.unwrap_or_default().split(|c: char| !is_part(c));
+    // What a variable is held against, not the variable.
+    let model_text = model.unwrap_or_default();
+    for name in names.filter(|it| it.starts_with(|c: char| c.is_ascii_alphabetic())) {
+        if model_text.contains(&format!("={name}")) || model_text.contains(&format!("= {name}")) {
+            let new = format!("{text} | {signal} == '{name}'");
+            if !is_known(name) && found.iter().all(|(known, _)| *known != new) {
+                found.push((new, Some(format!("its `model` has the case `{name}`"))));
+            }
+        }
+    }
+    found
+}
+
+/// The signal and the word of `/signal == 'word'`.
+fn word_comparison(operand: &str) -> Option<(String, String)> {
+    let (signal, word) = operand.split_once("==")?;
+    let word = word.trim();
+    let word = ['\'', '"']
+        .into_iter()
+        .find_map(|quote| word.strip_prefix(quote)?.strip_suffix(quote))?;
+    let signal = signal.trim();
+    (signal.starts_with('/') && !signal.contains(char::is_whitespace))
+        .then(|| (signal.to_owned(), word.to_owned()))
+}
+
 /// Further cases of an expression on a model's states, each with what suggests it.
 fn cases(study: &Study, text: &str) -> Vec<(String, Option<String>)> {
     let all = study.vocabulary.propositions.values();
@@ -271,7 +395,46 @@ fn cases(study: &Study, text: &str) -> Vec<(String, Option<String>)> {
         }
         found
     };
-    further(text, &states, &named)
+    let mut found = further(text, &states, &named);
+    let chain = Chain::of(text, 0..text.len());
+    if chain.operators.is_empty() || chain.operators.iter().any(|it| &text[it.clone()] != "|") {
+        return found;
+    }
+    for entry in &study.ledger {
+        let Some(model) = entry.work.model() else {
+            continue;
+        };
+        let Ok((source, _)) = host::files::read_prism(&study.folder.join(model)) else {
+            continue;
+        };
+        for variable in booleans(&source.text) {
+            let is_named = named.iter().any(|it| has_state(it, variable));
+            let new = format!("{text} | {variable}");
+            if !is_named && found.iter().all(|(known, _)| *known != new) {
+                let hint = format!(
+                    "{} has `{variable}`, which no proposition names",
+                    model.display()
+                );
+                found.push((new, Some(hint)));
+            }
+        }
+    }
+    found
+}
+
+/// The variables that a model's text declares as Boolean.
+fn booleans(text: &str) -> Vec<&str> {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let code = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or_default());
+    let declared = code.filter_map(|line| {
+        let (before, behind) = line.split_once(':')?;
+        let is_bool = behind.trim_start().starts_with("bool");
+        let name = before.trim();
+        (is_bool && !name.is_empty() && name.chars().all(is_word)).then_some(name)
+    });
+    declared.collect()
 }
 
 /// The same, with the states that a variable comes to, and by which model, and what the propositions are.
@@ -347,6 +510,20 @@ mod tests {
             ]
         );
         assert_eq!(rewritten("!/crate.full", Language::Trace), ["/crate.full"]);
+        assert_eq!(
+            rewritten("/band.full and not /door.open", Language::Trace),
+            [
+                "/band.full or not /door.open",
+                "not /door.open",
+                "!/band.full and not /door.open",
+                "/band.full",
+                "/band.full and  /door.open",
+            ]
+        );
+        assert_eq!(
+            word_comparison("/a.state == 'on'"),
+            Some(("/a.state".to_owned(), "on".to_owned()))
+        );
         let found = rewritten("/m.mode == 'a & b'", Language::Trace);
         assert_eq!(found, ["/m.mode != 'a & b'"]);
     }
@@ -371,6 +548,14 @@ mod tests {
             ]
         );
         assert!(rewritten("true", Language::Model).is_empty());
+        assert_eq!(rewritten("r>=4", Language::Model), ["r>4", "r=4", "r<=4"]);
+        assert_eq!(rewritten("r=4", Language::Model), ["r!=4", "r>=4", "r<=4"]);
+    }
+
+    #[test]
+    fn boolean_variables_are_those_that_are_declared() {
+        let text = "module m\n  a : bool init false;\n s : [0..2]; // b : bool\n c:bool;\n [] s=0 -> 0.5 : (a'=true);\n";
+        assert_eq!(booleans(text), ["a", "c"]);
     }
 
     #[test]

@@ -6,6 +6,9 @@
 //! back, of the same or of its negation. In a formula also a quantity, a number or a comparison, as in the binding of a
 //! proposition ([`super::quantities`]). Limits of time are in [`super::limits`], other propositions in [`super`].
 //!
+//! # Assumes
+//! Nothing of the data. What is suggested is tried.
+//!
 //! # Guarantee
 //! That of [`super`]: none.
 

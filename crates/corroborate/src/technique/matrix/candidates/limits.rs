@@ -5,13 +5,21 @@
 //! (`within_secs = 5.5`). Both are durations, once study.toml says how long a step takes. What a limit may be instead is
 //! each duration of the requirement's text and sentence and each limit of its other form, and what a slip by a factor makes
 //! of it, the duration of a step among the factors. A limit that the text or the sentence says is not looked at. A limit in
-//! steps of no known duration, a count, may be each number of the text ("within two attempts"), and one more or less.
+//! steps of no known duration, a count, may be each number of the text ("within two attempts"), and one more or less. A limit of a
+//! property may be that of another requirement's property, or a fault tree's mission time: what one study asks about is often
+//! one stretch of time.
+//!
+//! # Assumes
+//! Nothing of the data. What is suggested is tried.
+//!
+//! # Guarantee
+//! None: what is suggested is an idea, as in [`super`].
 
 use super::quantities::bare_in_text;
 use super::{REQUIREMENTS, Reach, TextEdit, block, part_of, values};
 use evidence::{Subject, SuspectKind};
 use std::ops::Range;
-use study::{Study, SubjectForm};
+use study::{Study, SubjectForm, Work};
 
 /// Slips of a limit.
 const FACTORS: [f64; 6] = [10.0, 0.1, 60.0, 1.0 / 60.0, 2.0, 0.5];
@@ -49,8 +57,12 @@ pub(super) fn of_form(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
         which: "monitor",
         step,
         scale: Some(1.0),
-        suggested: suggested(secs(&property), "property"),
+        suggested: suggested(secs(&property), "property")
+            .into_iter()
+            .chain(called_after(study, &form.subject))
+            .collect(),
         counts: &[],
+        others: Vec::new(),
     };
     let of_property = Looked {
         form,
@@ -59,6 +71,7 @@ pub(super) fn of_form(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
         scale: step,
         suggested: suggested(secs(&monitor), "monitor"),
         counts: &counts,
+        others: elsewhere(study, form),
     };
     let is_said = |limit: &&Limit| {
         if limit.secs.is_none()
@@ -80,6 +93,32 @@ pub(super) fn of_form(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
     found
 }
 
+/// The durations of parameters that are called after a subject: `prompt_time` for the requirement `prompt`.
+fn called_after(study: &Study, subject: &Subject) -> Vec<(f64, String)> {
+    let parts = |name: &str| -> Vec<String> {
+        let parts = name.split(|c: char| !c.is_ascii_alphanumeric());
+        parts.map(str::to_lowercase).collect()
+    };
+    let own = parts(subject.id());
+    let all = study.parameters.values.iter();
+    let called = all.filter(|(name, value)| {
+        let is_time = "1 s"
+            .parse()
+            .is_ok_and(|second: trace::units::QuantityValue| {
+                second.dimension() == value.dimension()
+            });
+        is_time && parts(name).iter().any(|part| own.contains(part))
+    });
+    called
+        .map(|(name, value)| {
+            (
+                value.si_value(),
+                format!("the parameter {name} says {} s", value.si_value()),
+            )
+        })
+        .collect()
+}
+
 /// One form whose limits are looked at.
 struct Looked<'a> {
     form: &'a SubjectForm,
@@ -93,6 +132,66 @@ struct Looked<'a> {
     suggested: Vec<(f64, String)>,
     /// Numbers that its text says, which a count of steps may be.
     counts: &'a [f64],
+    /// Numbers that others have in its place, in its own unit, and what says them.
+    others: Vec<Elsewhere>,
+}
+
+/// A limit that stands elsewhere in the study, in units of the model's time.
+pub(super) struct Elsewhere {
+    pub number: f64,
+    /// Who has it, as a clause.
+    pub hint: String,
+    /// Whether several have it.
+    pub is_common: bool,
+}
+
+/// The limits in the properties of other subjects than this one, and the mission times of fault trees; each number once.
+fn elsewhere(study: &Study, form: &SubjectForm) -> Vec<Elsewhere> {
+    let others = study.forms.subjects.iter();
+    let others = others.filter(|other| other.subject != form.subject);
+    let limits = others.flat_map(|other| {
+        let who = format!("the property of {}", other.subject.in_words());
+        let all = of_property(other, None).into_iter();
+        all.map(move |limit| (limit.number, who.clone()))
+    });
+    let trees = study.ledger.iter().filter_map(|entry| {
+        let Work::FaultTree {
+            mission_time: Some(time),
+            ..
+        } = &entry.work
+        else {
+            return None;
+        };
+        Some((*time, format!("the mission time of {}", entry.id)))
+    });
+    let mut found: Vec<Elsewhere> = Vec::new();
+    for (number, who) in limits.chain(trees) {
+        let is_same = |it: &&mut Elsewhere| (it.number - number).abs() < SAME_SECS;
+        match found.iter_mut().find(is_same) {
+            Some(known) => known.is_common = true,
+            None => found.push(Elsewhere {
+                number,
+                hint: format!("{who} says {number}"),
+                is_common: false,
+            }),
+        }
+    }
+    found
+}
+
+/// The limits in properties of the subjects that something else answers, too.
+pub(super) fn of_properties(study: &Study) -> Vec<(f64, String)> {
+    let all = study.forms.subjects.iter().flat_map(|form| {
+        let who = form.subject.in_words();
+        let limits = of_property(form, None).into_iter();
+        limits.map(move |limit| {
+            (
+                limit.number,
+                format!("the property of {who} says {}", limit.number),
+            )
+        })
+    });
+    all.collect()
 }
 
 impl Looked<'_> {
@@ -100,20 +199,22 @@ impl Looked<'_> {
     fn of_limit(&self, limit: &Limit, found: &mut Vec<TextEdit>) {
         let said = self.suggested.iter().filter_map(|(secs, hint)| {
             let scale = self.scale?;
-            Some((secs / scale, Some(hint.clone())))
+            Some((secs / scale, Some(hint.clone()), true))
         });
+        let others = self.others.iter();
+        let others = others.map(|it| (it.number, Some(it.hint.clone()), it.is_common));
         let slips = FACTORS.into_iter();
         let slips = slips.chain(self.step.into_iter().flat_map(|step| [step, 1.0 / step]));
-        let slips = slips.map(|factor| (limit.number * factor, None));
+        let slips = slips.map(|factor| (limit.number * factor, None, false));
         // Steps whose duration nobody says are counted.
         let is_count = limit.secs.is_none() && limit.number.fract() == 0.0;
         let counts = self.counts.iter().filter(|_| is_count);
-        let counts = counts.map(|it| (*it, Some(format!("its text says {it}"))));
+        let counts = counts.map(|it| (*it, Some(format!("its text says {it}")), true));
         let next = [limit.number + 1.0, limit.number - 1.0].into_iter();
-        let next = next.filter(|_| is_count).map(|it| (it, None));
-        let all = said.chain(counts).chain(next).chain(slips);
-        for (number, hint) in all {
-            let new = self.edit(limit, number, hint);
+        let next = next.filter(|_| is_count).map(|it| (it, None, false));
+        let all = said.chain(counts).chain(others).chain(next).chain(slips);
+        for (number, hint, is_said) in all {
+            let new = self.edit(limit, number, (hint, is_said));
             // What has no time to come does not come.
             if new.new.trim_start_matches(limit.before) == "0" {
                 continue;
@@ -126,7 +227,12 @@ impl Looked<'_> {
         }
     }
 
-    fn edit(&self, limit: &Limit, number: f64, hint: Option<String>) -> TextEdit {
+    fn edit(
+        &self,
+        limit: &Limit,
+        number: f64,
+        (hint, is_said): (Option<String>, bool),
+    ) -> TextEdit {
         let is_property = self.which == "property";
         let (kind, reach) = match is_property {
             true => (SuspectKind::Property, Reach::Models),
@@ -144,7 +250,7 @@ impl Looked<'_> {
             kind,
             part: part_of(self.form, self.which),
             reach,
-            is_said: hint.is_some(),
+            is_said,
             hint,
         }
     }
@@ -169,17 +275,32 @@ fn said(study: &Study, subject: &Subject) -> Vec<f64> {
     found
 }
 
-/// The numbers that a subject's text counts with, in digits or in words; no shares.
+/// Numbers in words, from two on.
+const WORDS: [&str; 11] = [
+    "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve",
+];
+
+/// The number that a word is.
+fn in_words(word: &str) -> Option<f64> {
+    let place = WORDS.iter().position(|it| *it == word.to_lowercase())?;
+    Some((place + 2) as f64)
+}
+
+/// Words right before a number that bounds what is counted.
+const BOUNDS: [&str; 12] = [
+    "within", "in", "after", "before", "by", "than", "most", "to", "for", "first", "until", "last",
+];
+
+/// The numbers with which a subject's text bounds something, in words ("within two looks", not "two of three lamps"); those in
+/// digits; no shares.
 fn counts(study: &Study, subject: &Subject) -> Vec<f64> {
-    const WORDS: [&str; 11] = [
-        "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve",
-    ];
     let mut found: Vec<f64> = Vec::new();
     for text in said_texts(study, subject) {
         let words = text.split(|c: char| !c.is_alphanumeric());
-        let in_words = words.filter_map(|word| {
-            let place = WORDS.iter().position(|it| *it == word.to_lowercase())?;
-            Some((place + 2) as f64)
+        let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+        let in_words = words.windows(2).filter_map(|pair| {
+            let is_bound = BOUNDS.contains(&pair[0].to_lowercase().as_str());
+            in_words(pair[1]).filter(|_| is_bound)
         });
         let in_digits = bare_in_text(&text).into_iter();
         for number in in_words.chain(in_digits.filter(|it| it.fract() == 0.0 && *it >= 1.0)) {
@@ -214,11 +335,15 @@ pub(super) fn said_texts(study: &Study, subject: &Subject) -> Vec<String> {
     }
 }
 
-/// The durations that any requirement or failure mode says in words, in seconds.
+/// The durations that any requirement or failure mode, the study's summary or its conditions say in words, in seconds.
 pub(super) fn said_anywhere(study: &Study) -> Vec<f64> {
     let mut found: Vec<f64> = Vec::new();
-    for form in &study.forms.subjects {
-        let new = said(study, &form.subject).into_iter();
+    let subjects = study.forms.subjects.iter();
+    let of_subjects = subjects.map(|form| said(study, &form.subject));
+    let conditions = study.about.conditions.values();
+    let of_study = [&study.about.summary].into_iter().chain(conditions);
+    let of_study = of_study.map(|text| durations(text));
+    for new in of_subjects.chain(of_study) {
         for secs in new {
             if !found.contains(&secs) {
                 found.push(secs);
@@ -280,13 +405,8 @@ fn number_like(limit: &Limit, number: f64, is_property: bool) -> String {
 /// The durations in a text, in seconds.
 fn durations(text: &str) -> Vec<f64> {
     let words: Vec<&str> = text.split_whitespace().collect();
-    let unit = |word: &str| match word.trim_matches(|c: char| !c.is_alphabetic()) {
-        "s" | "sec" | "secs" | "second" | "seconds" => Some(1.0),
-        "ms" | "millisecond" | "milliseconds" => Some(1e-3),
-        "min" | "minute" | "minutes" => Some(60.0),
-        "h" | "hour" | "hours" => Some(3600.0),
-        _ => None,
-    };
+    let unit =
+        |word: &str| trace::duration::unit_secs(word.trim_matches(|c: char| !c.is_alphabetic()));
     let mut found = Vec::new();
     for (place, word) in words.iter().enumerate() {
         let digits = word.find(|c: char| !(c.is_ascii_digit() || c == '.'));
@@ -296,7 +416,12 @@ fn durations(text: &str) -> Vec<f64> {
             true => unit(next),
             false => unit(rest),
         };
-        if let (Ok(number), Some(scale)) = (number.parse::<f64>(), scale) {
+        let number = number.parse::<f64>().ok();
+        let (number, scale) = match number {
+            Some(number) => (Some(number), scale),
+            None => (in_words(word), unit(next)),
+        };
+        if let (Some(number), Some(scale)) = (number, scale) {
             found.push(number * scale);
         }
     }
@@ -315,5 +440,6 @@ mod tests {
         );
         assert_eq!(durations("at least 70% of 12 attempts"), Vec::<f64>::new());
         assert_eq!(durations("in 500ms at most"), [0.5]);
+        assert_eq!(durations("Three hours of two lamps."), [10_800.0]);
     }
 }

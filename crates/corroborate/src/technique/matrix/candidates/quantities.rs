@@ -13,10 +13,13 @@
 //! that is compared may be any number that these texts say, but shares and durations, or one that the `model` of the same
 //! proposition compares with.
 //!
+//! # Assumes
+//! Nothing of the data. What is suggested is tried.
+//!
 //! # Guarantee
 //! That of [`super`]: none. What is named is what all evidence is explained by.
 
-use super::topics::{UNITS, numbers_with_units, other_units};
+use super::topics::{numbers_with_units, other_units};
 use super::{PARAMETERS, Reach, TextEdit, binding, limits::said_texts, of_monitor};
 use evidence::{Subject, SuspectKind};
 use std::collections::BTreeSet;
@@ -302,9 +305,8 @@ fn in_text(text: &str) -> Vec<Quantity> {
     let pairs = words.windows(2).filter_map(|pair| {
         let (number, unit) = (pair[0].trim_start_matches('('), plain(pair[1]));
         number.parse::<f64>().ok()?;
-        UNITS
-            .contains(&unit.as_str())
-            .then(|| Quantity::read(&format!("{number} {unit}")))?
+        let is_unit = unit.starts_with(char::is_alphabetic) && unit != "percent";
+        is_unit.then(|| Quantity::read(&format!("{number} {unit}")))?
     });
     pairs.collect()
 }
@@ -457,6 +459,9 @@ mod tests {
         let text = "Within 3.5 s, nearer than 10 cm (0.25 m/s at most), in 95 % of 12 runs.";
         let found: Vec<String> = in_text(text).into_iter().map(|it| it.text).collect();
         assert_eq!(found, ["3.5 s", "10 cm", "0.25 m/s"]);
+        let found = in_text("It is held within 10 h, in 2 hours mostly, after 90 seconds.");
+        let seconds: Vec<f64> = found.iter().map(|it| it.value.si_value()).collect();
+        assert_eq!(seconds, [36000.0, 7200.0, 90.0]);
         assert!(is_duration("3.5 s") && !is_duration("10 cm"));
     }
 

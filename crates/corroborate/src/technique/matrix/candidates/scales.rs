@@ -9,6 +9,9 @@
 //! A signal without a `scale` may have one, too; where it has a unit, only a sister's, since [`super::topics`] tries its
 //! units. An `offset` may be a sister's or what temperatures differ by, and may be lacking.
 //!
+//! # Assumes
+//! Nothing of the data. What is suggested is tried.
+//!
 //! # Guarantee
 //! That of [`super`]: none.
 
@@ -34,6 +37,13 @@ const OTHER_RATIOS: [f64; 5] = [3600.0, 4.448_222, 2.54, 18.0, 100.0];
 
 /// By what zeros of temperatures differ.
 const OFFSETS: [f64; 4] = [273.15, -273.15, 32.0, -32.0];
+
+/// Whether an edit would change an offset that is what zeros of temperatures differ by: a constant of nature, and no number that
+/// somebody chose.
+pub(in super::super) fn is_of_nature(edit: &TextEdit) -> bool {
+    let value = edit.old.parse::<f64>().map_or(0.0, f64::abs);
+    edit.part.ends_with(", offset") && OFFSETS.contains(&value)
+}
 
 /// A signal that is a number.
 struct Number {

@@ -6,6 +6,9 @@
 //! * the text of the requirement has the other's name, and not this one's: then the text says it; or
 //! * no other subject reads the other: then a place is free for it.
 //!
+//! # Assumes
+//! Nothing of the data. What is suggested is tried.
+//!
 //! # Guarantee
 //! That of [`super`]: none.
 

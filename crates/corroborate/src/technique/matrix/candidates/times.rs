@@ -3,7 +3,14 @@
 //!
 //! # Definition
 //! Each may be wrong by a slip: a factor between units of time, a power of ten, or two. A mission time may also be a duration
-//! that a requirement's text or a failure mode's meaning says, in hours, minutes or seconds.
+//! that a requirement's text, a failure mode's meaning, the study's summary or its conditions say, in hours, minutes or seconds, and
+//! the limit of a property.
+//!
+//! # Assumes
+//! Nothing of the data. What is suggested is tried.
+//!
+//! # Guarantee
+//! None: what is suggested is an idea, as in [`super`].
 
 use super::{LEDGER, Reach, STUDY, TextEdit, entry_block, limits, values};
 use evidence::SuspectKind;
@@ -99,12 +106,14 @@ pub(super) fn of_missions(study: &Study) -> Vec<TextEdit> {
             UNITS.map(|unit| {
                 (
                     secs / unit,
-                    Some(format!("a requirement speaks of {secs} s")),
+                    Some(format!("the study's texts state {secs} s")),
                 )
             })
         });
+        let asked = limits::of_properties(study).into_iter();
+        let asked = asked.map(|(number, hint)| (number, Some(hint)));
         let slips = FACTORS.iter().map(|factor| (own * factor, None));
-        for (time, hint) in told.chain(slips) {
+        for (time, hint) in told.chain(asked).chain(slips) {
             let is_other = (time - own).abs() > SAME_PART * own;
             let edit = of(time, hint);
             let mut known = found.iter();

@@ -18,6 +18,15 @@ pub(super) const UNITS: [&str; 24] = [
     "deg/s", "g", "kg", "mN", "N", "kN", "mA", "A", "mV", "V",
 ];
 
+/// Fields that no signal is read from, at most, for each of them to be tried.
+const MOST_FREE: usize = 12;
+
+/// Scales that differ by less than this part are the same.
+const SAME_SCALE: f64 = 1e-6;
+
+/// Letters of a word by which two names are alike.
+const SHORTEST_WORD: usize = 3;
+
 /// What names of fields end with for units that have a sign or another word here.
 const IN_NAMES: [(&str, &str); 6] = [
     ("kn", "knot"),
@@ -100,6 +109,8 @@ fn is_other_unit(unit: &str, other: &str) -> bool {
 struct Signal {
     name: String,
     from: String,
+    from_at: Range<usize>,
+    scale: Option<f64>,
     kind: Option<String>,
     unit: Option<(Range<usize>, String)>,
     values: Vec<String>,
@@ -112,6 +123,22 @@ impl Signal {
         let units = (unit(self), unit(other));
         let is_same_unit = units.0 == units.1 || units.0.is_none() || units.1.is_none();
         self.kind == other.kind && self.values.is_empty() && other.values.is_empty() && is_same_unit
+    }
+}
+
+impl Signal {
+    /// Whether its scale makes its unit of that with which its field's name ends: newtons of `force_mN` by 0.001.
+    fn is_converted(&self, unit: &str) -> bool {
+        let Some(scale) = self.scale else {
+            return false;
+        };
+        let named = self.from.rsplit('_').next().unwrap_or_default();
+        let value = |unit: &str| format!("1 {unit}").parse::<QuantityValue>().ok();
+        let (Some(named), Some(own)) = (value(named), value(unit)) else {
+            return false;
+        };
+        let ratio = named.si_value() / own.si_value();
+        named.dimension() == own.dimension() && (ratio - scale).abs() <= SAME_SCALE * scale.abs()
     }
 }
 
@@ -128,9 +155,12 @@ impl Topics {
         let signals = starts.windows(2).filter_map(|pair| {
             let name = text[pair[0] + 2..pair[1]].split('"').next()?.to_owned();
             let value = |key: &str| values(text, pair[0]..pair[1], key).into_iter().next();
+            let (from_at, from) = value("from")?;
             Some(Signal {
                 name,
-                from: unquoted(value("from")?.1),
+                from: unquoted(from),
+                from_at: from_at.start + 1..from_at.end - 1,
+                scale: value("scale").and_then(|(_, scale)| scale.parse().ok()),
                 values: listed(&text[pair[0]..pair[1]], "values"),
                 kind: value("kind").map(|(_, kind)| unquoted(kind)),
                 unit: value("unit").map(|(span, unit)| {
@@ -156,8 +186,8 @@ impl Topics {
                 let suffix = format!("_{}", unit.replace('/', "_per_")).to_lowercase();
                 field.ends_with(&suffix)
             };
-            // What the field's own name says is not looked at.
-            if is_said(unit) {
+            // What the field's own name says is not looked at, nor what a scale has converted from it.
+            if is_said(unit) || signal.is_converted(unit) {
                 continue;
             }
             // A unit that is rarely written, if the field's name ends with it.
@@ -169,7 +199,9 @@ impl Topics {
             let is_named = !UNITS.contains(&named) && is_other_unit(unit, named);
             let others = other_units(unit).into_iter();
             for other in others.chain(is_named.then_some(named)) {
+                // A unit beside a scale is that of what is scaled, not of the field.
                 let says = is_said(other) || is_named && other == named;
+                let says = says && signal.scale.is_none();
                 let hint = says.then(|| format!("its field is called `{}`", signal.from));
                 found.push(TextEdit {
                     file: TOPICS,
@@ -218,6 +250,48 @@ impl Topics {
                 found.push(TextEdit {
                     is_said,
                     ..binding((name, "trace"), place, new, Reach::Runs, hint)
+                });
+            }
+        }
+        found
+    }
+
+    /// Fields that no signal is read from, in place of that of a signal that is looked at. One that is called as the signal is says so
+    /// itself.
+    pub(super) fn other_fields(
+        &self,
+        fields: &[String],
+        is_read: &dyn Fn(&str) -> bool,
+    ) -> Vec<TextEdit> {
+        let free = fields
+            .iter()
+            .filter(|field| self.signals.iter().all(|it| it.from != **field));
+        let free: Vec<&String> = free.collect();
+        let mut found = Vec::new();
+        if free.len() > MOST_FREE {
+            return found;
+        }
+        for signal in self.signals.iter().filter(|it| is_read(&it.name)) {
+            for field in &free {
+                let is_said =
+                    shares_word(field, &signal.name) && !shares_word(&signal.from, &signal.name);
+                let hint = match is_said {
+                    true => format!(
+                        "{field} is called as {} is, and no signal is read from it",
+                        signal.name
+                    ),
+                    false => format!("no signal is read from {field}"),
+                };
+                found.push(TextEdit {
+                    file: TOPICS,
+                    span: signal.from_at.clone(),
+                    old: signal.from.clone(),
+                    new: (*field).clone(),
+                    kind: SuspectKind::Vocabulary,
+                    part: format!("{}, from", signal.name),
+                    reach: Reach::Runs,
+                    is_said,
+                    hint: Some(hint),
                 });
             }
         }
@@ -283,6 +357,18 @@ impl Topics {
         }
         found
     }
+}
+
+/// Whether the last part of a field's name and that of a signal have a word in common: `/csv.oil_c` and `/fryer.oil`.
+fn shares_word(field: &str, signal: &str) -> bool {
+    let words = |name: &str| -> Vec<String> {
+        let last = name.rsplit('.').next().unwrap_or(name);
+        let words = last.split(|c: char| !c.is_ascii_alphanumeric());
+        let words = words.filter(|word| word.len() >= SHORTEST_WORD);
+        words.map(str::to_lowercase).collect()
+    };
+    let of_signal = words(signal);
+    words(field).iter().any(|word| of_signal.contains(word))
 }
 
 /// Where a predicate reads a signal.
@@ -351,6 +437,19 @@ mod tests {
     }
 
     #[test]
+    fn a_field_that_is_called_as_the_signal_is_says_so() {
+        let text = "[\"/fryer.oil\"]\nfrom = \"/csv.wall_c\"\n\n[\"/fryer.wall\"]\nfrom = \"/csv.wall_c\"\n";
+        let fields = ["/csv.oil_c", "/csv.wall_c", "/csv.door"].map(str::to_owned);
+        let found = Topics::of(text).other_fields(&fields, &|name| name == "/fryer.oil");
+        let short: Vec<(&str, bool)> = found
+            .iter()
+            .map(|it| (it.new.as_str(), it.is_said))
+            .collect();
+        assert_eq!(short, [("/csv.oil_c", true), ("/csv.door", false)]);
+        assert_eq!(&text[found[0].span.clone()], "/csv.wall_c");
+    }
+
+    #[test]
     fn quantities_stand_with_their_units() {
         let text = "/x.v < 0.3 m/s & (/x.gap > 20 mm)";
         let found: Vec<&str> = numbers_with_units(text)
@@ -375,5 +474,13 @@ mod tests {
         assert_eq!(&text[edits[0].span.clone()], "m/s");
         let said = Topics::of(&text.replace("\"m/s\"", "\"cm/s\"")).units();
         assert!(said.is_empty(), "the field's name says it: {said:?}");
+        // A scale that converts from the field's unit leaves none to be tried; another one is no hint.
+        let scaled = |scale| {
+            let text =
+                format!("[\"/x.f\"]\nfrom = \"/csv.force_mN\"\nunit = \"N\"\nscale = {scale}\n");
+            Topics::of(&text).units()
+        };
+        assert!(scaled("0.001").is_empty());
+        assert!(scaled("0.0013").iter().all(|edit| edit.hint.is_none()));
     }
 }

@@ -10,7 +10,10 @@ pub(super) const STRUCTURE: f64 = 1.0;
 /// Decades against an edit with which what it changes is the same in all runs.
 pub(super) const PLAIN: f64 = -1.5;
 
-/// Decades for what mends pairs that otherwise need errors in several pieces, for each piece beyond the first.
+/// Decades for an edit without which what it changes is the same in all runs.
+pub(super) const WAS_PLAIN: f64 = 1.5;
+
+/// Decades for what fixes pairs that otherwise need errors in several pieces, for each piece beyond the first.
 pub(super) const COINCIDENCE: f64 = 1.0;
 
 /// Pieces among which those that would have to be wrong are looked for, at most.
@@ -176,6 +179,19 @@ fn is_extreme(rate: Rate) -> bool {
     }
 }
 
+/// The rates before and after of those of a pair whose rate changes.
+fn changed(
+    (one, other, subject): &(String, String, Subject),
+    before: &[Evidence],
+    after: &[Evidence],
+) -> Vec<[Rate; 2]> {
+    let of = |id: &String| {
+        let (was, is) = (rate_of(before, id, subject), rate_of(after, id, subject)?);
+        (was != Some(is)).then_some([was.unwrap_or(is), is])
+    };
+    [one, other].into_iter().filter_map(of).collect()
+}
+
 fn rate_of(evidence: &[Evidence], id: &str, subject: &Subject) -> Option<Rate> {
     let piece = evidence.iter().find(|piece| piece.id == id)?;
     Rate::on(piece, subject)
@@ -204,13 +220,21 @@ impl Explained {
 
     /// Whether the pieces that it changes are then each the same in all their runs, where others are not.
     pub(super) fn is_plain(&self, before: &[Evidence], after: &[Evidence]) -> bool {
-        self.pairs.keys().all(|(one, other, subject)| {
-            let changed = [one, other].into_iter().filter_map(|id| {
-                let is = rate_of(after, id, subject)?;
-                (rate_of(before, id, subject) != Some(is)).then_some(is)
-            });
-            changed.into_iter().all(is_extreme)
-        })
+        let all = self
+            .pairs
+            .keys()
+            .flat_map(|pair| changed(pair, before, after));
+        all.into_iter().all(|[_, is]| is_extreme(is))
+    }
+
+    /// Whether they were each the same in all their runs, and are not then.
+    pub(super) fn was_plain(&self, before: &[Evidence], after: &[Evidence]) -> bool {
+        let all = self
+            .pairs
+            .keys()
+            .flat_map(|pair| changed(pair, before, after));
+        let mut all = all.peekable();
+        all.peek().is_some() && all.all(|[was, is]| is_extreme(was) && !is_extreme(is))
     }
 
     /// Its odds against the system models.

@@ -9,6 +9,9 @@
 //! count. Of those between the crossings, widened by [`AROUND`], of which of more digits the middle alone, the one is taken with
 //! which the pieces agree best for what its choice costs.
 //!
+//! # Assumes
+//! One number is wrong, and a round one was meant; round numbers of as many digits are equally likely before.
+//!
 //! # Guarantee
 //! None: it has a free value. It pays for the choice among all round values with as many digits within [`DECADES`] decades: the
 //! logarithm of their number. What is named was judged anew on all evidence.
@@ -18,6 +21,7 @@
 
 use super::{Context, Diagnosing, FEW_RUNS, TextEdit};
 use crate::technique::matrix::candidates::Reach;
+use crate::technique::matrix::candidates::scales::is_of_nature;
 use diagnostic::Problem;
 use evidence::{Evidence, Rate, Subject};
 use std::collections::BTreeMap;
@@ -84,6 +88,7 @@ impl Diagnosing<'_> {
         for edit in tried {
             let is_read = matches!(edit.reach, Reach::Runs | Reach::All);
             let is_number = edit.is_number() && !edit.new.contains('\n') && !edit.is_said;
+            let is_number = is_number && !is_of_nature(edit);
             let is_new = places.iter().all(|it| !it.is_of_place(edit));
             if is_read && is_number && is_new && places.len() < MOST_PLACES {
                 places.push(edit);

@@ -1,0 +1,316 @@
+//! A constant that nothing uses: the branch that it was written for is lacking.
+//!
+//! # Definition
+//! A probability that is declared and stands nowhere else was written to be used. For each such constant `c`, each update of each
+//! command is divided: with `c` (or with `1-c`) it is as it was, and else the run does something else: nothing, what another update
+//! of the module does, or the same with a value that a proposition or a guard names and no update gives. Each is solved and tried on all evidence
+//! ([`crate::structure`]) where the model disagrees strongly with counts. No number is fitted.
+//!
+//! # Assumes
+//! That the constant has the value that it was meant to have, and that one branch is lacking.
+//!
+//! # Guarantee
+//! What is offered was solved, and what it leads to was counted. Several places may give the same rates; each says so.
+//!
+//! # Cost
+//! One solution for each; at most [`MOST_SPLITS`] in all, of a large model fewer, so that states times solutions stay below
+//! [`MOST_WORK`].
+
+use crate::counts::anchors;
+use crate::model_change::{
+    AS_GOOD, Alternative, Changed, ModelChange, Read, Refusal, Solver, Values,
+};
+use crate::model_offers::{Ground, Model, ModelOffers};
+use crate::number::commands;
+use crate::structure::{Explaining, Tried};
+use crate::unreached::{Lacking, Place, lacking, of_guards};
+use evidence::Subject;
+use prism_lang::ast::{Command, ModuleBody};
+use prism_lang::edit::{self, Edit};
+use prism_lang::resolved::ModelType;
+
+/// Divided updates that are tried, at most.
+const MOST_SPLITS: usize = 400;
+
+/// States times solutions, at most.
+const MOST_WORK: u64 = 20_000_000;
+
+/// Those that are offered, at most.
+const MOST_OFFERS: usize = 3;
+
+/// An update that is divided by a constant.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Split {
+    /// The command, counted from 0 over all modules.
+    pub command: usize,
+    /// Its update, counted from 0.
+    pub update: usize,
+    /// The constant.
+    pub constant: String,
+    /// Whether what is added has the constant as its probability, and not what remains of 1.
+    pub is_of_added: bool,
+    /// What is done in the added branch, as an update is written.
+    pub to: String,
+}
+
+impl Split {
+    /// The line of a model's text that holds the update, from 1.
+    #[must_use]
+    pub fn line(&self, text: &str) -> Option<u32> {
+        let place = Place {
+            command: self.command,
+            update: Some(self.update),
+        };
+        place.line(text)
+    }
+
+    /// The branch that is added.
+    #[must_use]
+    pub fn written(&self) -> String {
+        let constant = &self.constant;
+        match self.is_of_added {
+            true => format!("{constant} : {}", self.to),
+            false => format!("1-{constant} : {}", self.to),
+        }
+    }
+
+    fn make(&self, read: &Read<'_>) -> Result<String, Refusal> {
+        let all = commands(&read.tree);
+        let command = all
+            .get(self.command)
+            .ok_or("the model has no such command")?;
+        let update = command
+            .updates
+            .get(self.update)
+            .ok_or("the command has no such update")?;
+        let edit = edit::split_update(
+            read.text,
+            update,
+            (&self.constant, self.is_of_added),
+            &self.to,
+        );
+        edit::apply(read.text, &[edit] as &[Edit]).map_err(|e| e.to_string())
+    }
+
+    fn in_words(&self, text: &str) -> String {
+        let line = self.line(text).unwrap_or_default();
+        format!(
+            "`{}` added in line {line}, for which `{}` was written",
+            self.written(),
+            self.constant
+        )
+    }
+}
+
+impl Ground<'_> {
+    /// Puts branches of constants that nothing uses before the other changes, where nothing weighs more.
+    pub(crate) fn of_unused(&self, model: &Model<'_>, before: &Values, found: &mut ModelOffers) {
+        let mut all = self.evidence.iter();
+        let Some(own) = all.find(|piece| piece.id == model.evidence) else {
+            return;
+        };
+        let Ok(read) = Read::new(model.text) else {
+            return;
+        };
+        let constants = unused(&read);
+        let lacking = self.excluded(own, before);
+        let mut subjects = self.in_conflict(own, before);
+        for subject in lacking {
+            if !subjects.contains(&subject) {
+                subjects.push(subject);
+            }
+        }
+        if constants.is_empty() || subjects.is_empty() {
+            return;
+        }
+        let affordable = MOST_WORK / model.states.unwrap_or(1).max(1);
+        let most = MOST_SPLITS.min(usize::try_from(affordable).unwrap_or(MOST_SPLITS));
+        let tried = splits(model, &read, &constants).into_iter().take(most);
+        let tried = tried.filter_map(|split| {
+            let text = split.make(&read).ok()?;
+            let values = model.solver.values(&text).ok()?;
+            Some(Tried {
+                change: (split, text),
+                kind: 0,
+                values,
+            })
+        });
+        // That nothing uses the constant speaks for it, whatever the number of places.
+        let explaining = self.explaining_above(f64::NEG_INFINITY, own, before, tried.collect());
+        let Some(best) = explaining.iter().map(|it| it.weight).max_by(f64::total_cmp) else {
+            return;
+        };
+        let others = found.changes.iter().map(|it| &it.1);
+        if self.heaviest(own, before, others) > best + AS_GOOD {
+            return;
+        }
+        let named: Vec<Alternative> = explaining
+            .iter()
+            .map(|it| Alternative {
+                name: it.change.0.in_words(model.text),
+                line: it.change.0.line(model.text),
+            })
+            .collect();
+        let made = explaining.into_iter().take(MOST_OFFERS).enumerate();
+        let made = made.filter_map(|(number, it)| {
+            let Explaining {
+                change: (split, text),
+                values,
+                tried,
+                subjects,
+                ..
+            } = it;
+            let subject: Subject = subjects.into_iter().next()?;
+            let counts = anchors(self.evidence, own, &subject).into_iter().next()?;
+            let others = named.iter().enumerate().filter(|(at, _)| *at != number);
+            let changed = Changed {
+                text,
+                what: split.in_words(model.text),
+                constant: None,
+                values,
+                notes: vec![format!(
+                    "No number was fitted for it: nothing else of the model uses `{}`. {} other places were tried that change what is \
+                     answered.",
+                    split.constant,
+                    tried.saturating_sub(1)
+                )],
+                alternatives: others.map(|(_, it)| it.clone()).collect(),
+                settled: None,
+            };
+            let change = ModelChange::Split {
+                subject,
+                split,
+                counts,
+                tried,
+            };
+            Some((change, changed))
+        });
+        let made: Vec<(ModelChange, Changed)> = made.collect();
+        found.changes.splice(0..0, made);
+    }
+}
+
+/// The model with the branch, solved.
+pub(crate) fn with(text: &str, solver: &dyn Solver, split: &Split) -> Result<Changed, Refusal> {
+    let read = Read::new(text)?;
+    let new = split.make(&read)?;
+    Ok(Changed {
+        what: split.in_words(text),
+        values: solver.values(&new)?,
+        text: new,
+        constant: None,
+        notes: Vec::new(),
+        alternatives: Vec::new(),
+        settled: None,
+    })
+}
+
+/// The probabilities that are declared and stand nowhere else but in comments.
+fn unused(read: &Read<'_>) -> Vec<String> {
+    let all = read.chances().into_iter();
+    all.filter(|name| !is_used(read.text, name)).collect()
+}
+
+/// Whether a name stands in a model's text elsewhere than where it is defined, comments left out.
+pub(crate) fn is_used(text: &str, name: &str) -> bool {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let code = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or_default());
+    let words = code.flat_map(|line| line.split(|c: char| !is_part(c)));
+    words.filter(|word| *word == name).count() > 1
+}
+
+/// All updates divided by these constants, what leads to something that a proposition names and nothing does first.
+fn splits(model: &Model<'_>, read: &Read<'_>, constants: &[String]) -> Vec<Split> {
+    let mut found: Vec<(u8, Split)> = Vec::new();
+    let mut command = 0;
+    for module in &read.tree.modules {
+        let ModuleBody::Written {
+            commands: own,
+            variables,
+            invariant: _,
+        } = &module.body
+        else {
+            continue;
+        };
+        let is_own = |it: &Lacking| variables.iter().any(|own| own.name.text == it.variable);
+        let named = model.words.iter().flat_map(|word| {
+            let all = read.equalities(&word.meaning).unwrap_or_default();
+            lacking(read, &all)
+        });
+        let mut targets: Vec<Target> = Vec::new();
+        for value in named.chain(of_guards(read)).filter(is_own) {
+            let target = Target::Value(value);
+            if !targets.contains(&target) {
+                targets.push(target);
+            }
+        }
+        targets.push(Target::Outcome("true".to_owned()));
+        for update in own.iter().flat_map(|it| &it.updates) {
+            let target = Target::Outcome(edit::outcome(read.text, update));
+            if !targets.contains(&target) {
+                targets.push(target);
+            }
+        }
+        for (place, of) in own.iter().enumerate() {
+            found.extend(of_command(read, (command + place, of), &targets, constants));
+        }
+        command += own.len();
+    }
+    found.sort_by_key(|(rank, _)| *rank);
+    found.into_iter().map(|(_, split)| split).collect()
+}
+
+/// What an added branch does.
+#[derive(PartialEq)]
+enum Target {
+    /// What the divided update does, with this value.
+    Value(Lacking),
+    /// What some update does, or nothing.
+    Outcome(String),
+}
+
+fn of_command(
+    read: &Read<'_>,
+    (command, of): (usize, &Command),
+    targets: &[Target],
+    constants: &[String],
+) -> Vec<(u8, Split)> {
+    // Rates make up nothing that could be divided into what happens and what does not.
+    if read.model.model_type == ModelType::Ctmc {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for (place, update) in of.updates.iter().enumerate() {
+        let own = edit::outcome(read.text, update);
+        for target in targets {
+            let (rank, to) = match target {
+                Target::Value(value) => (
+                    0,
+                    edit::with_value(read.text, update, &value.variable, &value.value),
+                ),
+                Target::Outcome(outcome) if outcome == "true" => (1, outcome.clone()),
+                Target::Outcome(outcome) => (2, outcome.clone()),
+            };
+            if to == own {
+                continue;
+            }
+            for constant in constants {
+                for is_of_added in [false, true] {
+                    found.push((
+                        rank,
+                        Split {
+                            command,
+                            update: place,
+                            constant: constant.clone(),
+                            is_of_added,
+                            to: to.clone(),
+                        },
+                    ));
+                }
+            }
+        }
+    }
+    found
+}
