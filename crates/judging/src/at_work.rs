@@ -236,10 +236,17 @@ impl<'s> AtWork<'s> {
         }
     }
 
-    /// Stages whose deadline has passed by `end_secs` fail.
-    pub fn miss_deadlines(&mut self, end_secs: f64) {
-        let is_staged = matches!(self.judge, Work::Staged(..));
-        if !is_staged || self.has_own_clock || end_secs <= self.last_secs {
+    /// Nothing came from the last sample until `end_secs`: stages whose deadline has passed by then fail, and a formula is not
+    /// short of what was seen until then.
+    pub fn lasted_until(&mut self, end_secs: f64) {
+        if self.has_own_clock || end_secs <= self.last_secs {
+            return;
+        }
+        if let Work::Formula(formula) = &mut self.judge {
+            formula.lasted_until(end_secs);
+            if let Some((Work::Formula(late), _)) = &mut self.late {
+                late.lasted_until(end_secs);
+            }
             return;
         }
         let mut quiet = self.clone();

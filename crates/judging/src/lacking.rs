@@ -146,6 +146,7 @@ fn unheard<'a>(judge: &SubjectJudge<'a>) -> Judgement<'a> {
             no_robustness: None,
             decided_at_secs: None,
             judged_from_secs: None,
+            ends_before: None,
             violation: None,
         },
     }

@@ -35,7 +35,7 @@ use evidence::{RunVerdict, Subject};
 use host::store::Inputs;
 use std::collections::BTreeMap;
 use study::{Forms, FormulaRule, JudgingForm, Rule, Study, SubjectForm, Vocabulary};
-use temporal::formula::{Formula, FormulaMonitor, Settings};
+use temporal::formula::{Formula, FormulaMonitor, Horizon, Settings};
 use temporal::monitor::{Monitor, RobustnessMonitor, TooManyUnbounded, Verdict};
 use trace::{Predicate, Quantity, Replay, Trace};
 
@@ -120,6 +120,8 @@ pub struct JudgedTrace {
     /// From when on it was judged, if not from its first sample on: when all
     /// signals that it reads had a value; seconds.
     pub judged_from_secs: Option<f64>,
+    /// How long the trace would have to be, if the verdict is open only because it ends before.
+    pub ends_before: Option<Horizon>,
     /// Why it is violated.
     pub violation: Option<Violation>,
 }

@@ -213,13 +213,13 @@ impl<'s, 'a> Session<'s, 'a> {
         Ok(judgements)
     }
 
-    /// Ends a run that is known to have gone on until `end_secs`: a deadline of stages that had passed by
-    /// then was missed, though none of the signals that they read had a sample behind it.
+    /// Ends a run that is known to have gone on until `end_secs`, though none of the signals that a monitor reads may have had
+    /// a sample so late: a deadline of stages that had passed by then was missed, and a formula has seen the time until then.
     pub fn finish_run(mut self, complete: bool, end_secs: f64) -> Vec<Judgement<'a>> {
         if complete && self.lost.is_nothing() {
             for (judge, at_work) in self.judges.judges.iter().zip(&mut self.at_work) {
                 if judge.clock.is_none() {
-                    at_work.miss_deadlines(end_secs);
+                    at_work.lasted_until(end_secs);
                 }
             }
         }
@@ -362,6 +362,7 @@ fn of_stages(
         },
         decided_at_secs: violation.as_ref().map(|v| v.to_secs),
         judged_from_secs: None,
+        ends_before: None,
         violation,
     }
 }
@@ -396,6 +397,7 @@ fn of_formula(judges: &Judges<'_>, judge: &SubjectJudge<'_>, report: FormulaRepo
         no_robustness: None,
         decided_at_secs: report.decided_at_secs,
         judged_from_secs: None,
+        ends_before: report.ends_before,
         violation,
     }
 }

@@ -242,7 +242,7 @@ fn in_stages(form: &SubjectForm, judging: &JudgingForm) -> Option<JudgingForm> {
     };
     let spec = staged(&sentence.tree).ok()?;
     let at_end = match formula.ending {
-        Ending::Finite | Ending::Strong => AtEnd::FailPending,
+        Ending::Finite | Ending::LongEnough | Ending::Strong => AtEnd::FailPending,
         Ending::Inconclusive | Ending::Weak => AtEnd::InconclusivePending,
     };
     Some(JudgingForm {

@@ -6,7 +6,7 @@ use crate::placed::value_in;
 use diagnostic::{Problem, Problems, Source};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
-use temporal::formula::{Ending, Formula, FormulaMonitor, Parsed, Settings, TimeModel};
+use temporal::formula::{Ending, Formula, FormulaMonitor, Horizon, Parsed, Settings, TimeModel};
 use temporal::monitor::{Monitor, MonitorSpec, SpecError, Stage};
 use toml::Spanned;
 
@@ -59,6 +59,20 @@ pub struct FormulaRule {
     /// Where it is written in its file, without the quotes, if it is.
     #[serde(skip)]
     pub place: Option<Range<usize>>,
+}
+
+impl JudgingForm {
+    /// How long a run has to be for what it asks for to be seen; `None` where that is nothing, where runs are judged as if
+    /// nothing came behind their ends, and of stages, whose `at_end` says what is pending.
+    pub fn horizon(&self) -> Option<Horizon> {
+        match &self.rule {
+            Rule::Formula(rule) if rule.ending == Ending::LongEnough => {
+                let horizon = Horizon::of(&rule.parsed.formula, rule.time).ok()?;
+                (horizon != Horizon::default()).then_some(horizon)
+            }
+            Rule::Formula(_) | Rule::Staged(_) => None,
+        }
+    }
 }
 
 impl FormulaRule {
@@ -164,7 +178,7 @@ impl JudgingText {
     /// How the end of a trace is to be read.
     pub fn ending(&self) -> Ending {
         let ending = self.ending.as_ref().map(|ending| *ending.get_ref());
-        ending.unwrap_or(Ending::Finite)
+        ending.unwrap_or(Ending::LongEnough)
     }
 
     /// The clock that was named.

@@ -72,6 +72,7 @@
 mod ast;
 pub mod dense;
 pub mod discrete;
+mod early_end;
 mod explain;
 mod lexer;
 mod losses;
@@ -85,6 +86,7 @@ pub mod semantics;
 mod settings;
 
 pub use ast::{AtomId, Bound, Formula, Interval, MAX_BOUND, TimeUnit, Window};
+pub use early_end::Horizon;
 pub use monitor::{BothValues, FormulaJudge, FormulaMonitor};
 pub use parser::{AtomText, FormulaError, MAX_DEPTH, Parsed, parse};
 pub use print::FormulaText;

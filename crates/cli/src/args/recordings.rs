@@ -60,8 +60,11 @@ impl TimeChoice {
 /// What is said of times behind the end of a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum EndingChoice {
-    /// The recording is all there is.
+    /// The recording is all there is if it is as long as what the formula asks for; a shorter one leaves open what bounded
+    /// windows do not see of it.
     #[default]
+    LongEnough,
+    /// The recording is all there is.
     Finite,
     /// The benefit of the doubt.
     Weak,

@@ -66,6 +66,7 @@ fn formulas(arguments: &Monitor) -> Monitored {
     Monitored::Formulas {
         texts: arguments.formula.clone(),
         ending: match arguments.ending {
+            EndingChoice::LongEnough => Ending::LongEnough,
             EndingChoice::Finite => Ending::Finite,
             EndingChoice::Weak => Ending::Weak,
             EndingChoice::Strong => Ending::Strong,

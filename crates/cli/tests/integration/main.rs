@@ -51,6 +51,7 @@ mod refine_together;
 mod replay;
 mod requirement_forms;
 mod scene_truth;
+mod short_recordings;
 mod shrink;
 mod signals;
 mod simulation;

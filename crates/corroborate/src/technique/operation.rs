@@ -23,6 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Instant;
 use study::{RecordingFiles, Study};
+use temporal::formula::Horizon;
 use temporal::monitor::Verdict;
 
 /// What a recording of `corroborate watch` says of a simulated rest.
@@ -217,6 +218,9 @@ impl Recordings {
             })
             .collect();
         let alike_trials = sessions::alike(&recorded);
+        for line in too_short(&all) {
+            say(&format!("{id}: {line}"));
+        }
         let names: Vec<String> = self.trials.iter().map(|trial| trial.name.clone()).collect();
         let findings_once = match self.repeated.is_empty() || self.is_declared {
             true => Vec::new(),
@@ -264,6 +268,24 @@ fn counted(judged: JudgedRecording<'_>) -> Vec<Judgement<'_>> {
         true => judged.judgements,
         false => only_violations(judged.judgements),
     }
+}
+
+/// How many recordings end before what a requirement asks for, and so reach no verdict on it.
+fn too_short(all: &[Vec<Judgement<'_>>]) -> Vec<String> {
+    let mut found: BTreeMap<&Subject, (Horizon, u64)> = BTreeMap::new();
+    for judgement in all.iter().flatten().filter(|it| it.reading.is_none()) {
+        if let Some(asked) = judgement.findings.ends_before {
+            found.entry(judgement.subject).or_insert((asked, 0)).1 += 1;
+        }
+    }
+    let line = |(subject, (asked, count)): (&Subject, (Horizon, u64))| {
+        let subject = subject.in_words();
+        format!(
+            "{count} of {} recordings end before the {asked} that {subject} asks for, and reach no verdict on it",
+            all.len()
+        )
+    };
+    found.into_iter().map(line).collect()
 }
 
 /// The verdicts without those of other readings, which are judged on the same runs.

@@ -167,6 +167,7 @@ impl LiveVerdict {
             no_robustness: _,
             decided_at_secs,
             judged_from_secs: _,
+            ends_before: _,
             violation,
         } = &judgement.findings;
         let finite = |value: f64| value.is_finite().then_some(value);

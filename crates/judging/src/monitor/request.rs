@@ -56,11 +56,11 @@ impl Monitored {
         }
     }
 
-    /// One formula over the samples of a recording that is all there is.
+    /// One formula over the samples of a recording that is all there is, if it is as long as the formula asks for.
     pub fn formula(text: impl Into<String>) -> Self {
         Self::Formulas {
             texts: vec![text.into()],
-            ending: Ending::Finite,
+            ending: Ending::LongEnough,
             time: TimeModel::Discrete,
             start_within_secs: study::START_WITHIN_SECS,
         }

@@ -394,7 +394,7 @@ impl DenseJudge {
     #[must_use]
     pub fn finish(mut self, complete: bool) -> FormulaReport {
         let ending = match self.ending {
-            Ending::Finite if !complete => Ending::Inconclusive,
+            Ending::Finite | Ending::LongEnough if !complete => Ending::Inconclusive,
             ending => ending,
         };
         let seen = self.samples > 0;
@@ -412,7 +412,7 @@ impl DenseJudge {
         let robustness = self.robustness.as_mut().map(&mut close).filter(|_| seen);
         let triggered = self.trigger.as_mut().map(|trigger| {
             // What is said of times that were not seen triggers nothing.
-            let ending = if ending == Ending::Finite {
+            let ending = if matches!(ending, Ending::Finite | Ending::LongEnough) {
                 ending
             } else {
                 Ending::Inconclusive
@@ -432,6 +432,7 @@ impl DenseJudge {
             has_trigger: triggered.is_some(),
             samples: self.samples,
             decided_at_secs: self.decided_at_secs,
+            ends_before: None,
             explanation: None,
         }
     }

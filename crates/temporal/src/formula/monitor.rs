@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::ast::Formula;
 use super::dense::{DenseJudge, DenseMonitor};
 use super::discrete::{DiscreteJudge, DiscreteMonitor};
+use super::early_end::{EarlyJudge, EarlyMonitor};
 use super::explain::{Record, explain};
 use super::losses::{Across, Marked, across, stand_ins};
 use super::report::{FormulaReport, Progress, RobustnessBounds, StepError};
@@ -36,6 +37,7 @@ pub struct FormulaMonitor {
     ending: Ending,
     record: Record,
     losses: Option<Losses>,
+    early: Option<Box<EarlyMonitor>>,
 }
 
 /// How losses are dealt with, and how many atoms the formula has without its marks.
@@ -67,6 +69,8 @@ pub struct FormulaJudge {
     ending: Ending,
     record: Record,
     losses: Option<Losses>,
+    /// What is judged beside it while the trace is short.
+    early: Option<Box<EarlyJudge>>,
     /// The time of the last sample.
     last_secs: f64,
     /// Whether there was a loss, whether one ended the trace, and whether nothing can be said for one.
@@ -101,6 +105,23 @@ impl FormulaMonitor {
     /// [`CompileError`] if an interval makes no sense, samples are spoken of in dense time, or the
     /// formula is too large.
     pub fn compile(formula: &Formula, settings: &Settings) -> Result<Self, CompileError> {
+        let early = EarlyMonitor::compile(formula, settings)?.map(Box::new);
+        let ending = match settings.ending {
+            Ending::LongEnough => Ending::Finite,
+            ending => ending,
+        };
+        let settings = Settings {
+            ending,
+            ..settings.clone()
+        };
+        Ok(FormulaMonitor {
+            early,
+            ..Self::compile_whole(formula, &settings)?
+        })
+    }
+
+    /// Without what is judged of short traces.
+    fn compile_whole(formula: &Formula, settings: &Settings) -> Result<Self, CompileError> {
         if !settings.losses {
             return Self::compile_as_is(formula, settings, None);
         }
@@ -142,6 +163,7 @@ impl FormulaMonitor {
             ending: settings.ending,
             record: Record::new(settings.explain_samples, formula.atom_count()),
             losses,
+            early: None,
         })
     }
 
@@ -159,6 +181,7 @@ impl FormulaMonitor {
             ending: self.ending,
             record: self.record.clone(),
             losses: self.losses,
+            early: self.early.as_ref().map(|it| Box::new(it.start())),
             last_secs: f64::NEG_INFINITY,
             has_lost: false,
             is_cut: false,
@@ -184,6 +207,11 @@ impl FormulaJudge {
         }
         let before = self.before();
         let progress = either!(&mut self.work, judge => judge.step(time_secs, atoms))?;
+        if self.early.is_some() {
+            let truth = |value: &f64| RobustnessBounds::of_value(*value).truth();
+            let truths: Vec<Option<bool>> = atoms.iter().map(truth).collect();
+            self.step_early(time_secs, &[(&truths, atoms)])?;
+        }
         self.keep(
             before,
             time_secs,
@@ -209,6 +237,10 @@ impl FormulaJudge {
         }
         let before = self.before();
         let progress = either!(&mut self.work, judge => judge.step_truth(time_secs, atoms))?;
+        if self.early.is_some() {
+            let values: Vec<f64> = atoms.iter().map(|truth| value_of(*truth)).collect();
+            self.step_early(time_secs, &[(atoms, &values)])?;
+        }
         self.keep(before, time_secs, atoms.iter().copied());
         Ok(progress)
     }
@@ -243,10 +275,24 @@ impl FormulaJudge {
                 verdict: self.verdict(),
             });
         }
-        match self.losses.filter(|losses| losses.is_marked()) {
+        let progress = match self.losses.filter(|losses| losses.is_marked()) {
             None => self.take_instant(time_secs, samples),
             Some(losses) => self.step_marked(time_secs, samples, losses, false),
+        }?;
+        self.step_early(time_secs, samples)?;
+        Ok(progress)
+    }
+
+    /// What is judged beside, as long as the trace is short and its end may decide.
+    fn step_early(&mut self, time_secs: f64, samples: &[BothValues<'_>]) -> Result<(), StepError> {
+        let Some(early) = &mut self.early else {
+            return Ok(());
+        };
+        early.step(time_secs, samples)?;
+        if early.is_over(time_secs) || self.verdict().is_some() {
+            self.early = None;
         }
+        Ok(())
     }
 
     /// As [`FormulaJudge::step_instant`], with the atoms that mark stand-ins.
@@ -330,6 +376,9 @@ impl FormulaJudge {
         (truth, robustness): BothValues<'_>,
     ) -> Result<(), StepError> {
         self.has_lost = true;
+        if let Some(early) = &mut self.early {
+            early.lose((from_secs, to_secs), next_secs, (truth, robustness))?;
+        }
         let Some(losses) = self.losses.filter(|_| !self.is_cut) else {
             self.is_cut = true;
             return Ok(());
@@ -379,7 +428,7 @@ impl FormulaJudge {
         let Work::Discrete(judge) = &mut self.work else {
             return self.step_each(times_secs, atoms);
         };
-        if self.losses.is_some() {
+        if self.losses.is_some() || self.early.is_some() {
             return self.step_each(times_secs, atoms);
         }
         let progress = judge.step_many(times_secs, atoms)?;
@@ -471,6 +520,12 @@ impl FormulaJudge {
         either!(&self.work, judge => judge.stored())
     }
 
+    /// The trace is known to have gone on until `end_secs`, a time of its clock, without another sample: it is not shorter than
+    /// that ([`Ending::LongEnough`]).
+    pub fn lasted_until(&mut self, end_secs: f64) {
+        self.early = self.early.take().filter(|early| !early.is_over(end_secs));
+    }
+
     /// Nothing can be said of the trace, since samples may be missing anywhere in it.
     pub fn void(&mut self) {
         self.is_void = true;
@@ -495,6 +550,11 @@ impl FormulaJudge {
         if report.verdict == Verdict::NotCovered && self.has_lost {
             // What was lost may have triggered it.
             report.verdict = Verdict::Inconclusive;
+        }
+        if let Some(early) = self.early.filter(|_| complete)
+            && let Some(said) = early.said_instead(&report)
+        {
+            report = said;
         }
         if report.verdict == Verdict::Violated {
             // What was kept ends where the verdict was determined, if it was before the end.

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::ast::AtomId;
+use super::early_end::Horizon;
 use crate::monitor::Verdict;
 
 /// The least and the greatest value that a robustness can have, given what is known.
@@ -47,6 +48,9 @@ pub struct FormulaReport {
     /// Time of the sample that determined the verdict, in seconds of the trace's clock; `None` if
     /// only its end did, or nothing.
     pub decided_at_secs: Option<f64>,
+    /// The horizon of the formula, where the verdict is open only because the trace ends before it
+    /// ([`Ending::LongEnough`](super::Ending::LongEnough)).
+    pub ends_before: Option<Horizon>,
     /// Why the formula is violated, if it is, and what shows it was kept.
     pub explanation: Option<Explanation>,
 }

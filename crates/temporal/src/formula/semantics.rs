@@ -202,7 +202,7 @@ fn beyond(ending: Ending) -> Option<RobustnessBounds> {
         Ending::Inconclusive => Some(RobustnessBounds::UNKNOWN),
         Ending::Weak => Some(RobustnessBounds::of_truth(Some(true))),
         Ending::Strong => Some(RobustnessBounds::of_truth(Some(false))),
-        Ending::Finite => None,
+        Ending::Finite | Ending::LongEnough => None,
     }
 }
 

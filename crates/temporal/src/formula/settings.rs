@@ -44,6 +44,9 @@ pub enum Ending {
     Strong,
     /// The trace is all there is: no time comes after it (LTLf, and MTL likewise).
     Finite,
+    /// As [`Ending::Finite`] of a trace as long as the formula's [`Horizon`](super::Horizon); a shorter one leaves open what
+    /// bounded windows do not see of it.
+    LongEnough,
 }
 
 /// How a formula is to be judged.

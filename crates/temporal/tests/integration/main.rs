@@ -3,6 +3,7 @@
 mod automata_against_semantics;
 mod formula_dense;
 mod formula_discrete;
+mod formula_early_end;
 mod formula_explanations;
 mod formula_linear;
 mod formula_losses;

@@ -39,6 +39,12 @@ fn of_recording(output: &mut String, recording: &RecordingVerdicts) {
         for part in responsible(verdict) {
             let _ = writeln!(output, "    {part}");
         }
+        if let Some(asked) = &verdict.ends_before {
+            let _ = writeln!(
+                output,
+                "{file}: {label} is inconclusive: it asks for {asked}, and the recording ends before"
+            );
+        }
         if let Some(from) = verdict.judged_from_secs {
             let _ = writeln!(
                 output,

@@ -6,7 +6,7 @@ use evidence::{
 };
 use judging::Judges;
 use std::collections::BTreeMap;
-use study::{Study, SubjectForm};
+use study::{JudgingForm, Study, SubjectForm};
 use temporal::monitor::Verdict;
 
 /// Runs that are named as witnesses, at most.
@@ -225,7 +225,7 @@ impl Tally {
         });
         Ok(Finding {
             subject: form.subject.clone(),
-            measure: self.measure(study, main, intervals)?,
+            measure: self.measure(study, (form, main), intervals)?,
             denominator: self.denominator(main),
             trigger: self.trigger(study, main, intervals)?,
             undecided: main.inconclusive,
@@ -265,12 +265,20 @@ impl Tally {
         Ok(Some(Box::new(counted(study, sample, intervals)?)))
     }
 
-    fn measure(&self, study: &Study, row: &Row, intervals: Intervals) -> Result<Measure, Problem> {
+    fn measure(
+        &self,
+        study: &Study,
+        (form, row): (&SubjectForm, &Row),
+        intervals: Intervals,
+    ) -> Result<Measure, Problem> {
         let Some(sample) = row.sample().filter(|sample| sample.trials > 0) else {
-            let reached = if row.inconclusive > 0 {
-                " and a verdict reached"
-            } else {
-                ""
+            let asked = form.monitor.as_ref().and_then(JudgingForm::horizon);
+            let reached = match (row.inconclusive, asked) {
+                (0, _) => String::new(),
+                (_, None) => " and a verdict reached".to_owned(),
+                (_, Some(asked)) => {
+                    format!(" and a verdict reached: it asks for {asked} of a run")
+                }
             };
             return Ok(Measure::NotCovered {
                 reason: format!(

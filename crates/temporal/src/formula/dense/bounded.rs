@@ -66,7 +66,7 @@ impl Bounded {
             Ending::Inconclusive => (Some(f64::NEG_INFINITY), Some(f64::INFINITY)),
             Ending::Weak => (Some(f64::INFINITY), Some(f64::INFINITY)),
             Ending::Strong => (Some(f64::NEG_INFINITY), Some(f64::NEG_INFINITY)),
-            Ending::Finite => (None, None),
+            Ending::Finite | Ending::LongEnough => (None, None),
         };
         self.split().close(high);
         self.least.close(low);

@@ -294,7 +294,7 @@ impl DiscreteJudge {
     #[must_use]
     pub fn finish(mut self, complete: bool) -> FormulaReport {
         let ending = match self.ending {
-            Ending::Finite if !complete => Ending::Inconclusive,
+            Ending::Finite | Ending::LongEnough if !complete => Ending::Inconclusive,
             ending => ending,
         };
         let robustness = self.robustness_at_end(ending);
@@ -317,6 +317,7 @@ impl DiscreteJudge {
             has_trigger: self.trigger.is_some(),
             samples: self.timeline.count(),
             decided_at_secs: self.decided_at_secs,
+            ends_before: None,
             explanation: None,
         }
     }
@@ -433,7 +434,7 @@ impl DiscreteJudge {
             Ending::Inconclusive => None,
             Ending::Weak => Some(After::All(true)),
             Ending::Strong => Some(After::All(false)),
-            Ending::Finite => Some(After::Nothing),
+            Ending::Finite | Ending::LongEnough => Some(After::Nothing),
         };
         if let Some(after) = after
             && (self.verdict.is_none() || self.trigger.is_some())
@@ -451,7 +452,7 @@ impl DiscreteJudge {
             Ending::Inconclusive => (Some(f64::NEG_INFINITY), Some(f64::INFINITY)),
             Ending::Weak => (Some(f64::INFINITY), Some(f64::INFINITY)),
             Ending::Strong => (Some(f64::NEG_INFINITY), Some(f64::NEG_INFINITY)),
-            Ending::Finite => (None, None),
+            Ending::Finite | Ending::LongEnough => (None, None),
         };
         // Adding 0 makes a negative zero positive.
         Some(RobustnessBounds {

@@ -183,7 +183,7 @@ impl Discrete<'_, '_> {
     /// What is said of samples after the end; `None` if there are none.
     fn beyond(&self) -> Option<Truth> {
         match self.line.ending {
-            Ending::Finite => None,
+            Ending::Finite | Ending::LongEnough => None,
             Ending::Inconclusive => Some(None),
             Ending::Weak => Some(Some(!self.negated)),
             Ending::Strong => Some(Some(self.negated)),

@@ -1,0 +1,125 @@
+//! Recordings that end before what a requirement asks for: they do not show that it was kept, nor that it was not.
+
+use crate::support::program::{Said, corroborate};
+use std::path::Path;
+use tempfile::TempDir;
+
+const STUDY: &str = r#"
+title = "A gripper that has to hold for ten seconds"
+summary = "Some trials were stopped early."
+seed = 1
+confidence = 0.95
+agreement = 0.95
+[conditions]
+typical = "As usual."
+"#;
+
+const VOCABULARY: &str = r#"
+[held]
+meaning = "the gripper presses with more than 2 N"
+trace = "/gripper.force > 2 N"
+"#;
+
+const LEDGER: &str = r#"
+[[evidence]]
+id = "O"
+title = "Trials"
+technique = "operation"
+conditions = "typical"
+recordings = "recordings"
+changed = "The first."
+"#;
+
+const TOPICS: &str = "[\"/gripper.force\"]\nfrom = \"/gripper.force\"\nunit = \"N\"\n";
+
+/// A gripper that holds until the recording ends, after so many seconds.
+fn holding(secs: u32) -> String {
+    let rows = (0..=secs * 10).map(|tenth| format!("{},{}\n", f64::from(tenth) / 10.0, 5));
+    format!("time_secs,/gripper.force [N]\n{}", rows.collect::<String>())
+}
+
+fn run(judging: &str, recordings: &[String]) -> (TempDir, Said) {
+    let folder = TempDir::new().expect("a folder");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        std::fs::write(path, text).expect("written");
+    };
+    write("study.toml", STUDY);
+    let requirement = format!(
+        "[[requirement]]\nid = \"hold\"\ntext = \"The gripper holds for 10 s.\"\n{judging}\n"
+    );
+    write("requirements.toml", &requirement);
+    write("vocabulary.toml", VOCABULARY);
+    write("ledger.toml", LEDGER);
+    write("topics.toml", TOPICS);
+    for (number, text) in recordings.iter().enumerate() {
+        write(&format!("recordings/{number:02}.csv"), text);
+    }
+    let said = corroborate(folder.path(), &["run", "."]);
+    (folder, said)
+}
+
+fn finding(folder: &Path) -> serde_json::Value {
+    let text = std::fs::read_to_string(folder.join("results/study.json")).expect("a result");
+    let result: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    result["evidence"][0]["findings"][0].clone()
+}
+
+#[test]
+fn recordings_that_end_too_early_are_counted_against_and_for() {
+    let all = [holding(12), holding(5), holding(12), holding(5)];
+    for judging in [
+        "formula = \"always[0, 10 s] held\"",
+        "shall = \"The gripper shall for 10 seconds satisfy held.\"",
+    ] {
+        let (folder, said) = run(judging, &all);
+        let told = "O: 2 of 4 recordings end before the 10 s that requirement hold asks for, and reach no verdict on it";
+        assert!(said.talk.contains(told), "{said:?}");
+        let hold = finding(folder.path());
+        assert_eq!(
+            (&hold["measure"]["count"], &hold["measure"]["trials"]),
+            (&2.into(), &2.into()),
+            "{judging}: {hold}"
+        );
+        assert_eq!(hold["undecided"], 2, "{judging}");
+    }
+}
+
+#[test]
+fn where_all_end_too_early_nothing_is_covered_and_the_finding_says_why() {
+    let (folder, said) = run(
+        "formula = \"always[0, 10 s] held\"",
+        &[holding(5), holding(5)],
+    );
+    assert_eq!(said.code, 3, "{said:?}");
+    let hold = finding(folder.path());
+    let reason = hold["measure"]["reason"].as_str().expect("a reason");
+    assert!(reason.ends_with("it asks for 10 s of a run."), "{reason}");
+}
+
+/// Who says that the recording is all there is, is taken at the word.
+#[test]
+fn a_study_may_say_that_nothing_comes_behind_the_end() {
+    let judging = "formula = \"always[0, 10 s] held\"\nending = \"finite\"";
+    let (folder, _) = run(judging, &[holding(5), holding(5)]);
+    let hold = finding(folder.path());
+    assert_eq!(hold["measure"]["count"], 2, "{hold}");
+    assert_eq!(hold["undecided"], 0);
+}
+
+#[test]
+fn a_formula_alone_says_what_it_asks_for() {
+    let folder = TempDir::new().expect("a folder");
+    std::fs::write(folder.path().join("run.csv"), holding(5)).expect("written");
+    let monitor = |more: &[&str]| {
+        let formula = "always[0, 10 s] (/gripper.force > 2 N)";
+        let arguments = [&["monitor", "--formula", formula, "run.csv"], more].concat();
+        corroborate(folder.path(), &arguments)
+    };
+    let said = monitor(&[]);
+    assert_eq!(said.code, 3, "{said:?}");
+    let told = "is inconclusive: it asks for 10 s, and the recording ends before";
+    assert!(said.out.contains(told), "{said:?}");
+    assert_eq!(monitor(&["--ending", "finite"]).code, 0);
+}

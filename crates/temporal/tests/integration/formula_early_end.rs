@@ -1,0 +1,210 @@
+//! Traces that end before the windows of a formula: a verdict that is given is that of every continuation, as far as
+//! bounded windows see it.
+
+use crate::formulas as common_formulas;
+
+use common_formulas::Numbers;
+use temporal::formula::{
+    AtomId, Ending, Formula, FormulaMonitor, FormulaReport, Horizon, Interval, Settings, TimeModel,
+    Verdict, parse,
+};
+
+/// Times in seconds with the truth of atoms.
+type Samples = Vec<(f64, Vec<Option<bool>>)>;
+
+fn judged(formula: &Formula, samples: &Samples, settings: Settings) -> FormulaReport {
+    let mut judge = FormulaMonitor::compile(formula, &settings).unwrap().start();
+    let count = formula.atom_count();
+    for (time_secs, atoms) in samples {
+        judge.step_truth(*time_secs, &atoms[..count]).unwrap();
+    }
+    judge.finish(true)
+}
+
+fn settings(time: TimeModel, ending: Ending) -> Settings {
+    match time {
+        TimeModel::Discrete => Settings::discrete(ending),
+        TimeModel::Dense => Settings::dense(ending),
+    }
+}
+
+/// The formula whose windows without an end see only what lies inside the trace, where `inside` is true.
+fn relative(formula: &Formula, inside: &Formula) -> Formula {
+    let part = |it: &Formula| Box::new(relative(it, inside));
+    let seen = |it: &Formula| Box::new(Formula::and(inside.clone(), relative(it, inside)));
+    let unseen = |it: &Formula| Box::new(Formula::implies(inside.clone(), relative(it, inside)));
+    match formula {
+        Formula::True | Formula::False | Formula::Atom(_) => formula.clone(),
+        Formula::Not(f) => Formula::Not(part(f)),
+        Formula::And(all) => Formula::And(all.iter().map(|it| relative(it, inside)).collect()),
+        Formula::Or(all) => Formula::Or(all.iter().map(|it| relative(it, inside)).collect()),
+        Formula::Implies(f, g) => Formula::Implies(part(f), part(g)),
+        Formula::Iff(f, g) => Formula::Iff(part(f), part(g)),
+        Formula::Next(f) => Formula::Next(part(f)),
+        Formula::Previous(f) => Formula::Previous(part(f)),
+        Formula::Rise(f) => Formula::Rise(part(f)),
+        Formula::Fall(f) => Formula::Fall(part(f)),
+        Formula::Once(i, f) => Formula::Once(*i, part(f)),
+        Formula::Historically(i, f) => Formula::Historically(*i, part(f)),
+        Formula::Since(i, f, g) => Formula::Since(*i, part(f), part(g)),
+        Formula::Eventually(i, f) if i.high.is_none() => Formula::Eventually(*i, seen(f)),
+        Formula::Always(i, f) if i.high.is_none() => Formula::Always(*i, unseen(f)),
+        Formula::Until(i, f, g) if i.high.is_none() => Formula::Until(*i, part(f), seen(g)),
+        Formula::Release(i, f, g) if i.high.is_none() => Formula::Release(*i, part(f), unseen(g)),
+        Formula::Eventually(i, f) => Formula::Eventually(*i, part(f)),
+        Formula::Always(i, f) => Formula::Always(*i, part(f)),
+        Formula::Until(i, f, g) => Formula::Until(*i, part(f), part(g)),
+        Formula::Release(i, f, g) => Formula::Release(*i, part(f), part(g)),
+        Formula::WeakUntil(i, f, g) => {
+            let either = Formula::or(f.as_ref().clone(), g.as_ref().clone());
+            relative(&Formula::Release(*i, g.clone(), Box::new(either)), inside)
+        }
+    }
+}
+
+/// Samples of two atoms and of `inside` behind them.
+fn drawn(numbers: &mut Numbers, times_secs: &[f64], inside: bool) -> Samples {
+    let sample = |time_secs: &f64| {
+        let atoms = [numbers.below(2) == 1, numbers.below(3) > 0, inside];
+        (*time_secs, atoms.map(Some).to_vec())
+    };
+    times_secs.iter().map(sample).collect()
+}
+
+/// How many of the verdicts of a model of time were open only because the trace ended early, and how many stood.
+fn counted(time: TimeModel, windows: &[Interval], step: usize) -> (usize, usize) {
+    let inside = Formula::Atom(AtomId(2));
+    let mut numbers = Numbers(3);
+    let (one, two) = common_formulas::small(windows, time == TimeModel::Discrete);
+    let (mut open, mut stood) = (0, 0);
+    for formula in one.iter().chain(two.iter().step_by(step)) {
+        let horizon = Horizon::of(formula, time).unwrap();
+        let samples = drawn(&mut numbers, &[0.0, 0.5, 1.0], true);
+        let said = judged(formula, &samples, settings(time, Ending::LongEnough));
+        let before = judged(formula, &samples, settings(time, Ending::Finite));
+        if said.verdict == Verdict::Inconclusive {
+            assert!(horizon.secs > 1.0 || horizon.samples > 2, "{formula}");
+            assert_ne!(before.verdict, Verdict::Inconclusive, "{formula}");
+            assert_eq!(said.ends_before, Some(horizon), "{formula}");
+            open += 1;
+            continue;
+        }
+        assert_eq!((said.verdict, said.ends_before), (before.verdict, None));
+        // Three samples of a second are short of what reaches further.
+        let is_short = horizon.secs > 1.0 || horizon.samples > 2;
+        if said.verdict == Verdict::NotCovered || !is_short {
+            continue;
+        }
+        stood += 1;
+        for _ in 0..12 {
+            let behind_secs = [1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0];
+            let first = numbers.below(2) as usize;
+            let behind = drawn(&mut numbers, &behind_secs[first..], false);
+            let continued = [&samples[..], &behind].concat();
+            let meant = judged(
+                &relative(formula, &inside),
+                &continued,
+                settings(time, Ending::Finite),
+            );
+            assert_eq!(said.verdict, meant.verdict, "{formula} on {continued:?}");
+        }
+    }
+    (open, stood)
+}
+
+#[test]
+fn a_verdict_on_a_short_trace_is_that_of_every_continuation() {
+    let windows = [
+        Interval::UNBOUNDED,
+        Interval::secs(0.0, 2.0),
+        Interval::secs(0.5, 1.0),
+    ];
+    let by_samples = [
+        Interval::UNBOUNDED,
+        Interval::samples(0, 4),
+        Interval::samples(1, 3),
+    ];
+    for (time, windows) in [
+        (TimeModel::Discrete, &windows[..]),
+        (TimeModel::Discrete, &by_samples[..]),
+        (TimeModel::Dense, &windows[..]),
+    ] {
+        let (open, stood) = counted(time, windows, 1);
+        assert!(open > 50 && stood > 500, "{open} open, {stood} stood");
+    }
+}
+
+/// What the engines say with three values of formulas whose windows are all bounded.
+#[test]
+fn of_bounded_windows_it_is_what_no_continuation_can_change() {
+    let windows = [Interval::secs(0.0, 2.0), Interval::secs(0.5, 3.0)];
+    let mut numbers = Numbers(11);
+    let (mut same, mut open) = (0, 0);
+    for inner in common_formulas::of_two(&Formula::atom(0), &Formula::atom(1), &windows) {
+        for formula in common_formulas::of_one(&inner, &windows, false) {
+            let samples = drawn(&mut numbers, &[0.0, 0.5, 1.0, 1.5], true);
+            let said = judged(&formula, &samples, Settings::discrete(Ending::LongEnough)).verdict;
+            let three = judged(&formula, &samples, Settings::discrete(Ending::Inconclusive));
+            if three.verdict == said {
+                same += 1;
+            } else {
+                open += 1;
+                assert_eq!(said, Verdict::Inconclusive, "{formula} on {samples:?}");
+            }
+        }
+    }
+    assert!(
+        same > 20 * open,
+        "{same} the same, {open} open without need"
+    );
+}
+
+#[test]
+fn the_horizon_is_the_longest_way_through_bounded_windows() {
+    let horizon = |text: &str| {
+        let formula = parse(text, &|_| None).unwrap().formula;
+        let found = Horizon::of(&formula, TimeModel::Discrete).unwrap();
+        (found.secs, found.samples)
+    };
+    assert_eq!(horizon("always a"), (0.0, 0));
+    assert_eq!(
+        horizon("always[0, 10 s] (a => eventually[0, 4 s] b)"),
+        (14.0, 0)
+    );
+    assert_eq!(
+        horizon("always (a => eventually[0, 4 s] once[0, 9 s] b)"),
+        (4.0, 0)
+    );
+    assert_eq!(horizon("next next eventually[0, 3] a"), (0.0, 5));
+}
+
+/// Ten seconds of samples each 10 ms have the last at 9.99 s, and a task that was done early is done.
+#[test]
+fn only_what_the_end_alone_decides_is_open() {
+    let of = |text: &str, samples: Vec<(f64, bool)>| {
+        let formula = parse(text, &|_| None).unwrap().formula;
+        let samples = samples.into_iter().map(|(secs, it)| (secs, vec![Some(it)]));
+        judged(
+            &formula,
+            &samples.collect(),
+            Settings::discrete(Ending::LongEnough),
+        )
+        .verdict
+    };
+    let held = |count: u32| (0..count).map(|at| (f64::from(at) * 0.01, true)).collect();
+    let always = "always[0, 10 s] a";
+    assert_eq!(of(always, held(1000)), Verdict::Satisfied);
+    assert_eq!(of(always, held(500)), Verdict::Inconclusive);
+    assert_eq!(of("always a", held(500)), Verdict::Satisfied);
+    assert_eq!(
+        of(always, vec![(0.0, true), (1.0, false)]),
+        Verdict::Violated
+    );
+    let within = "eventually[0, 10 s] !a";
+    assert_eq!(
+        of(within, vec![(0.0, true), (1.0, false)]),
+        Verdict::Satisfied
+    );
+    assert_eq!(of(within, held(500)), Verdict::Inconclusive);
+    assert_eq!(of(within, held(1001)), Verdict::Violated);
+}
