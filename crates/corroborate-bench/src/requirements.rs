@@ -128,6 +128,7 @@ pub fn stated(forms: &[Forms]) -> Vec<Requirement> {
             property: form.property.clone(),
             monitor: form.monitor.clone(),
             margin: MARGIN,
+            asks_for: None,
             same_quantity_as: None,
             ..Requirement::default()
         })

@@ -162,6 +162,7 @@ fn full() -> Full {
         property: None,
         monitor: None,
         margin: 0.02,
+        asks_for: None,
         same_quantity_as: None,
         ..Requirement::default()
     };

@@ -45,6 +45,10 @@ pub struct Requirement {
     /// to satisfy; `None` if every run does, or counts as one that does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trigger: Option<String>,
+    /// How long a run has to be for all that it asks for to be seen (`10 s`): a shorter one may reach no verdict. `None` where
+    /// every run is long enough.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub asks_for: Option<String>,
     /// Largest difference of two rates that counts as agreement.
     pub margin: f64,
     /// Requirements with the same quantity (such as 1a and 1b, which differ

@@ -242,12 +242,8 @@ impl<'s> AtWork<'s> {
         if self.has_own_clock || end_secs <= self.last_secs {
             return;
         }
-        if let Work::Formula(formula) = &mut self.judge {
-            formula.lasted_until(end_secs);
-            if let Some((Work::Formula(late), _)) = &mut self.late {
-                late.lasted_until(end_secs);
-            }
-            return;
+        if matches!(self.judge, Work::Formula(_)) {
+            return self.formulas_lasted_until(end_secs);
         }
         let mut quiet = self.clone();
         let failed = |it: &Self| match &it.judge {
@@ -256,6 +252,20 @@ impl<'s> AtWork<'s> {
         };
         if quiet.silence(end_secs).is_ok() && failed(&quiet) > failed(self) {
             *self = quiet;
+        }
+    }
+
+    /// Nothing changes behind the last sample, for ever.
+    pub fn rests(&mut self) {
+        self.formulas_lasted_until(f64::INFINITY);
+    }
+
+    fn formulas_lasted_until(&mut self, end_secs: f64) {
+        let late = self.late.as_mut().map(|(late, _)| late);
+        for work in [Some(&mut self.judge), late].into_iter().flatten() {
+            if let Work::Formula(formula) = work {
+                formula.lasted_until(end_secs);
+            }
         }
     }
 

@@ -243,6 +243,13 @@ impl<'a> Judges<'a> {
         self.judge_and_watch(trace, &mut |_, _| Ok(()))
     }
 
+    /// As [`Judges::judge`], of a trace behind whose end nothing changes for ever: it is not too short for any formula.
+    pub fn judge_at_rest(&self, trace: &Trace) -> Result<Vec<Judgement<'a>>, Problem> {
+        let (mut session, end_secs) = self.followed(trace, &mut |_, _| Ok(()))?;
+        session.rests();
+        Ok(session.finish_run(trace.complete, end_secs))
+    }
+
     /// The verdicts alone, in the order of the monitors; of an episode that left nothing, none is reached.
     pub fn verdicts_of(&self, trace: Option<&Trace>) -> Result<Vec<Verdict>, Problem> {
         let Some(trace) = trace else {
@@ -259,6 +266,16 @@ impl<'a> Judges<'a> {
         trace: &Trace,
         watch: &mut dyn FnMut(f64, &Session<'_, 'a>) -> Result<(), Problem>,
     ) -> Result<Vec<Judgement<'a>>, Problem> {
+        let (session, end_secs) = self.followed(trace, watch)?;
+        Ok(session.finish_run(trace.complete, end_secs))
+    }
+
+    /// All samples of a trace taken, and the time of the last one.
+    fn followed<'s>(
+        &'s self,
+        trace: &Trace,
+        watch: &mut dyn FnMut(f64, &Session<'_, 'a>) -> Result<(), Problem>,
+    ) -> Result<(Session<'s, 'a>, f64), Problem> {
         let mut session = self.start(trace)?;
         let mut replay = Replay::new(trace);
         let mut end_secs = f64::NEG_INFINITY;
@@ -275,7 +292,7 @@ impl<'a> Judges<'a> {
                 watch(sample.time_secs, &session)?;
             }
         }
-        Ok(session.finish_run(trace.complete, end_secs))
+        Ok((session, end_secs))
     }
 }
 

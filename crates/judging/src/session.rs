@@ -213,6 +213,11 @@ impl<'s, 'a> Session<'s, 'a> {
         Ok(judgements)
     }
 
+    /// Nothing changes any more, for ever: no formula is short of what it has not seen.
+    pub fn rests(&mut self) {
+        self.at_work.iter_mut().for_each(AtWork::rests);
+    }
+
     /// Ends a run that is known to have gone on until `end_secs`, though none of the signals that a monitor reads may have had
     /// a sample so late: a deadline of stages that had passed by then was missed, and a formula has seen the time until then.
     pub fn finish_run(mut self, complete: bool, end_secs: f64) -> Vec<Judgement<'a>> {

@@ -434,6 +434,7 @@ mod tests {
             sentence: None,
             monitor: None,
             margin: 0.05,
+            asks_for: None,
             same_quantity_as: None,
             ..Requirement::default()
         }

@@ -83,6 +83,9 @@ fn recordings_that_end_too_early_are_counted_against_and_for() {
             "{judging}: {hold}"
         );
         assert_eq!(hold["undecided"], 2, "{judging}");
+        let why = "A run that ends before the 10 s that the requirement asks for may reach none";
+        let words: Vec<&str> = said.out.split_whitespace().collect();
+        assert!(words.join(" ").contains(why), "{said:?}");
     }
 }
 

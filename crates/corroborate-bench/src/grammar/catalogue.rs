@@ -39,8 +39,20 @@ pub struct Catalogue {
     pub only: Option<Kind>,
     /// This fault alone.
     pub fault: Option<Plant>,
-    /// Each fault in one family of those there are, in turn; nothing in all.
+    /// Each second fault in one family of those there are, in turn; nothing in each second family.
     pub is_thin: bool,
+}
+
+/// Whether a thin catalogue has this fault in this family.
+fn is_in_thin(family: Kind, fault: Plant) -> bool {
+    let (family, fault_place) = (family as usize, fault as usize);
+    match fault {
+        Plant::Nothing => family.is_multiple_of(2),
+        _ => {
+            let turn = fault_place / 2 + family;
+            fault_place.is_multiple_of(2) && turn.is_multiple_of(Kind::ALL.len())
+        }
+    }
 }
 
 /// A study that had no place for its fault is drawn anew under another number, so many times.
@@ -60,8 +72,7 @@ impl Catalogue {
                 .into_iter()
                 .filter(|it| self.fault.is_none_or(|only| only == *it))
             {
-                let turn = (fault as usize + family as usize) % Kind::ALL.len();
-                if self.is_thin && fault != Plant::Nothing && turn != 0 {
+                if self.is_thin && !is_in_thin(family, fault) {
                     continue;
                 }
                 let count = if fault == Plant::Nothing {

@@ -99,6 +99,7 @@ mod tests {
             property: None,
             monitor: None,
             margin: 0.05,
+            asks_for: None,
             same_quantity_as: same.map(str::to_owned),
             ..Requirement::default()
         }

@@ -67,20 +67,20 @@ pub(super) fn excluded_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<Exclu
         (trials > 0).then(|| ExcludedTrials {
             evidence: piece.id.clone(),
             trials,
-            words: undecided_in_words(piece, finding),
+            words: undecided_in_words(piece, finding, asked.requirement.asks_for.as_deref()),
         })
     });
     undecided.chain(replaced_trials(study, asked)).collect()
 }
 
 /// What became of runs that reached no verdict.
-fn undecided_in_words(piece: &Evidence, finding: &Finding) -> String {
+fn undecided_in_words(piece: &Evidence, finding: &Finding, asks_for: Option<&str>) -> String {
     let (runs, they) = match finding.undecided {
         1 => ("1 run".to_owned(), "it is"),
         many => (format!("{many} runs"), "they are"),
     };
     let id = &piece.id;
-    match (&finding.completions, &piece.undecided_at_random) {
+    let became = match (&finding.completions, &piece.undecided_at_random) {
         (Some(_), _) => format!(
             "{runs} of {id} reached no verdict: {they} counted against and for, so that the limits hold whatever they would have \
              shown."
@@ -89,6 +89,13 @@ fn undecided_in_words(piece: &Evidence, finding: &Finding) -> String {
             "{runs} of {id} reached no verdict and {they} left out, declared to be missing at random (\"{reason}\")."
         ),
         (None, None) => format!("{runs} of {id} reached no verdict and {they} left out."),
+    };
+    match asks_for {
+        Some(asked) => format!(
+            "{became} A run that ends before the {asked} that the requirement asks for may reach none (`corroborate explain \
+             finite-trace`)."
+        ),
+        None => became,
     }
 }
 

@@ -62,6 +62,7 @@ fn requirements(count: usize, margin: f64, threshold: f64) -> Vec<Requirement> {
         property: None,
         monitor: None,
         margin,
+        asks_for: None,
         same_quantity_as: None,
         ..Requirement::default()
     };

@@ -294,6 +294,7 @@ fn requirements() -> Vec<Requirement> {
         sentence: None,
         monitor: None,
         margin,
+        asks_for: None,
         same_quantity_as: None,
         ..Requirement::default()
     };

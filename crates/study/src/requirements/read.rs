@@ -318,6 +318,11 @@ impl Reader<'_> {
                 (Some((first, _)), None) => first.margin,
                 (_, margin) => found.keep(self.margin(margin)).unwrap_or(DEFAULT_MARGIN),
             },
+            asks_for: form
+                .monitor
+                .as_ref()
+                .and_then(JudgingForm::horizon)
+                .map(|it| it.to_string()),
             same_quantity_as: same.map(|(first, _)| first.id.clone()),
             needs: text.needs.unwrap_or(self.needs),
             carries_over,

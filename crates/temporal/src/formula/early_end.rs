@@ -290,7 +290,8 @@ impl EarlyJudge {
         let length_secs = self
             .first_secs
             .map_or(0.0, |first_secs| time_secs - first_secs);
-        self.horizon.is_reached(length_secs, self.samples)
+        // Of what nothing changes behind, for ever, all samples that could be asked for are known.
+        time_secs == f64::INFINITY || self.horizon.is_reached(length_secs, self.samples)
     }
 
     /// What is said of the short trace, if that is open, in place of a verdict that only its end gave.

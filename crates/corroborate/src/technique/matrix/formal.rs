@@ -124,7 +124,7 @@ impl Diagnosing<'_> {
             .map(|number| {
                 self.setting.go_on()?;
                 let trace = paths.trace(seeds.of(number))?;
-                let mut judged = judges.judge(&trace)?.into_iter();
+                let mut judged = judges.judge_at_rest(&trace)?.into_iter();
                 stage.advance();
                 let verdict = |form: &PathForm<'_>| match form.judging {
                     Ok(_) => judged

@@ -151,6 +151,7 @@ fn requirements() -> Vec<Requirement> {
         property: None,
         monitor: None,
         margin,
+        asks_for: None,
         same_quantity_as: None,
         ..Requirement::default()
     };

@@ -137,7 +137,7 @@ fn held_against_paths(seed: u64, paths: u64) -> usize {
             .expect("a path");
         for (count, judged) in counts
             .iter_mut()
-            .zip(judges.judge(&trace).expect("verdicts"))
+            .zip(judges.judge_at_rest(&trace).expect("verdicts"))
         {
             count[match judged.findings.verdict {
                 Verdict::Satisfied => 0,
