@@ -18,8 +18,8 @@ assets: a formal model's constants and failure branches, a requirement's
 monitor, a simulation's parameters. Each model is solved as changed before it is
 offered. What is accepted is written to new files, joins the ledger as a new
 entry that names the counts it was set to, and is run. Decisions on what a text
-means are never part of --all. Exits 1 if something is offered; with accepted
-changes, as `run` does.")]
+means are never part of --all. Exits 1 if something is offered, 3 if nothing is
+and suspects are open; with accepted changes, as `run` does.")]
 pub struct Refine {
     /// The study's folder.
     pub study: PathBuf,

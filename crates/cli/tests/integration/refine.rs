@@ -301,3 +301,49 @@ fn a_complement_that_is_taken_for_the_rate_is_refused_with_its_place() {
     let said = study.run(&["run", "study"]);
     assert_ne!(said.code, 2, "{said:?}");
 }
+
+/// Two series of trials contradict each other, and there is no text whose change would mend that.
+#[test]
+fn suspects_that_nothing_would_mend_are_no_success() {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    let piece = |id: &str, file: &str| {
+        format!(
+            "[[evidence]]\nid = \"{id}\"\ntitle = \"trials\"\ntechnique = \"experiment\"\nconditions = \"typical\"\n\
+             tables.cohort = \"{file}\"\nchanged = \"c\"\n"
+        )
+    };
+    let rows = |kept: [u32; 12]| {
+        let rows = kept
+            .iter()
+            .enumerate()
+            .map(|(person, kept)| format!("P{person},{kept},10\n"));
+        format!("person,kept,attempts\n{}", rows.collect::<String>())
+    };
+    for (name, text) in [
+        (
+            "study.toml",
+            "title = \"t\"\nsummary = \"s\"\nseed = 1\nconfidence = 0.95\nagreement = 0.95\n[conditions]\ntypical = \"any\"\n"
+                .to_owned(),
+        ),
+        (
+            "vocabulary.toml",
+            "kept = { meaning = \"kept\", model = \"true\", column = \"kept\" }\n".to_owned(),
+        ),
+        (
+            "requirements.toml",
+            "[[requirement]]\nid = \"1\"\ntext = \"t\"\nthreshold = \"at least 0.5\"\nmargin = 0.1\n\
+             property = 'P=? [ F \"kept\" ]'\nexperiment = \"kept\"\n"
+                .to_owned(),
+        ),
+        ("ledger.toml", piece("X", "x.csv") + &piece("Y", "y.csv")),
+        ("x.csv", rows([9, 10, 8, 9, 9, 10, 9, 8, 10, 9, 9, 10])),
+        ("y.csv", rows([3, 2, 4, 3, 1, 2, 3, 4, 2, 3, 3, 2])),
+    ] {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    let said = corroborate(folder.path(), &["refine", ".", "--format", "json"]);
+    let report = json(&said);
+    assert_eq!(report["proposals"], serde_json::json!([]), "{report}");
+    let open = report["open"].as_array().expect("suspects");
+    assert_eq!((said.code, open.is_empty()), (3, false), "{report}");
+}

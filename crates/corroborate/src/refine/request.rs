@@ -76,8 +76,8 @@ pub struct Refined {
     pub report: RefineReport,
     /// The fits of parameters that were made for it.
     pub calibrations: Vec<CalibrationReport>,
-    /// How the study stands after it; `Holds` if there was nothing to offer, `Violated` where something is offered and
-    /// nothing was accepted.
+    /// How the study stands after it. Where nothing was accepted `Violated` if something is offered, `Inconclusive` if not and
+    /// there are open suspects, otherwise `Holds`.
     pub outcome: Outcome,
 }
 
@@ -168,9 +168,11 @@ fn refined(
     Refined {
         outcome: match after {
             Some(result) => corroboration::outcome(result),
+            None if !report.proposals.iter().all(Proposal::is_idle) => Outcome::Violated,
+            // Somebody is suspected, and nothing would mend it.
+            None if !report.open.is_empty() => Outcome::Inconclusive,
             // What fixes no disagreement is worth a look, and no reason to say that something is wrong.
-            None if report.proposals.iter().all(Proposal::is_idle) => Outcome::Holds,
-            None => Outcome::Violated,
+            None => Outcome::Holds,
         },
         report,
         calibrations,
