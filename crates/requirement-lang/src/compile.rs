@@ -65,7 +65,8 @@ impl fmt::Display for NotExpressible {
             }
             NotExpressible::NoStepDuration { duration } => write!(
                 out,
-                "the model counts steps, so {duration} means nothing to it; declare how long a step is"
+                "the model counts steps, so {duration} means nothing to it; declare how long a step is, or a unit of continuous \
+                 time (in a study, `[model] step = \"0.1 s\"`)"
             ),
             NotExpressible::NotWholeSteps { duration, step_secs } => write!(
                 out,

@@ -102,13 +102,6 @@ pub fn refine(
     let study = Study::load(&folder)?;
     let solver = Solver::new(&study, &host.cancel);
     let mut offered = offered(&study, &before, &solver, host)?;
-    if before.diagnosis.is_none() && before.suspected().iter().any(|it| it.is_open()) {
-        offered.refused.push(
-            "Other words, limits, columns, units and bindings: they are tried by `corroborate diagnose`, which has not been \
-             run on this result."
-                .to_owned(),
-        );
-    }
     // What was interrupted is no answer: a number that was not solved for would be said to have no value.
     host.go_on()?;
     if let Some(suspect) = request.suspect {

@@ -100,8 +100,8 @@ pub fn offered(
 }
 
 /// What is not offered before a diagnosis.
-const UNDIAGNOSED: &str = "Words, forms, units and branches: `diagnose` finds which of them explain what disagrees, and has not been \
-                           run on these results.";
+const UNDIAGNOSED: &str = "Words, limits, columns, bindings, forms, units and branches: `corroborate diagnose` tries them, and has not been run on \
+                           these results.";
 
 /// Offers on their way to proposals.
 struct Offering<'a> {
