@@ -2,6 +2,7 @@
 
 mod assurance;
 mod check;
+mod decide;
 mod diagnose;
 mod engines;
 mod explore;
@@ -19,6 +20,7 @@ mod watch;
 
 pub use assurance::{Assure, Verify};
 pub use check::{Check, CheckFormat, Termination};
+pub use decide::Decide;
 pub use diagnose::Diagnose;
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
@@ -124,6 +126,8 @@ pub enum Command {
     Inspect(Inspect),
     /// Show requirements in all their forms, and where the forms disagree.
     Requirements(Requirements),
+    /// Repeat a flaky test until its rate of success is decided.
+    Decide(Box<Decide>),
     /// Compare the pieces of evidence of a study that has been run.
     Compare(Compare),
     /// Find which asset causes the disagreements in a study.

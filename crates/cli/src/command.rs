@@ -4,6 +4,7 @@ mod assure;
 mod calibrate;
 mod check;
 mod compare;
+mod decide;
 mod diagnose;
 mod engines;
 mod explore;
@@ -60,6 +61,7 @@ pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
         Command::Inspect(arguments) => inspect::inspect(arguments, setting),
         Command::Watch(arguments) => watch::watch(arguments, setting),
         Command::Requirements(arguments) => requirements::requirements(arguments, setting),
+        Command::Decide(arguments) => decide::decide(arguments, setting),
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Diagnose(arguments) => diagnose::diagnose(arguments, setting),
         Command::Report(arguments) => report::report(arguments),

@@ -25,6 +25,7 @@
 //! | fit a simulator to what was counted | [`calibrate()`] |
 //! | estimate how rare an event is | [`rare()`] |
 //! | run the same episodes in two physics engines | [`engines()`] |
+//! | repeat a flaky test until its rate is decided | [`decide()`] |
 //! | try variants of its assets, side by side | [`what_if()`] |
 //! | be offered patches of its assets, and take them | [`refine()`] |
 //! | look into a recording or a robot's description | [`inspect()`] |
@@ -41,6 +42,7 @@ pub mod assure;
 pub mod calibrate;
 mod compare;
 pub mod corroboration;
+pub mod decide;
 pub mod diagnose;
 pub mod engines;
 pub mod explore;
@@ -82,6 +84,7 @@ pub use study::Study;
 pub use assure::{AssureReport, AssureRequest, Drawing, NamedTexts, assure};
 pub use calibrate::{CalibrateRequest, calibrate};
 pub use compare::{CompareReport, CompareRequest, compare};
+pub use decide::{DecideReport, DecideRequest, decide};
 pub use diagnose::{DiagnoseRequest, diagnose};
 pub use engines::{EnginesReport, EnginesRequest, engines};
 pub use explore::{ExploreRequest, explore};

@@ -5,6 +5,7 @@
 //! study is escaped.
 
 pub mod assurance;
+pub mod junit;
 mod number;
 mod page;
 mod plan;

@@ -15,6 +15,7 @@ mod copies;
 mod corridor;
 mod counted_once;
 mod cut_recordings;
+mod deciding;
 mod decision;
 mod diagnose;
 mod documents;
