@@ -4,6 +4,7 @@ mod assurance;
 mod check;
 mod decide;
 mod diagnose;
+mod diff;
 mod engines;
 mod explore;
 mod format;
@@ -22,6 +23,7 @@ pub use assurance::{Assure, Verify};
 pub use check::{Check, CheckFormat, Termination};
 pub use decide::Decide;
 pub use diagnose::Diagnose;
+pub use diff::{Diff, DiffFormat, Written};
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
 pub use format::FormatFiles;
@@ -130,6 +132,8 @@ pub enum Command {
     Decide(Box<Decide>),
     /// Compare the pieces of evidence of a study that has been run.
     Compare(Compare),
+    /// Say what changed between two results of a study: what is stale, what stands, which rates differ beyond chance.
+    Diff(Diff),
     /// Find which asset causes the disagreements in a study.
     Diagnose(Diagnose),
     /// Write the report of a study that has been run.
@@ -194,6 +198,8 @@ pub struct Run {
     /// How many threads to use (results do not depend on it).
     #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    #[command(flatten)]
+    pub written: Written,
     /// How the summary is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -217,6 +223,9 @@ pub struct Plan {
     /// Plan only this evidence (may be repeated); then nothing is compared.
     #[arg(long, value_name = "ID")]
     pub only: Vec<String>,
+    /// Also write mistakes in the study's files in SARIF.
+    #[arg(long, value_name = "FILE")]
+    pub sarif: Option<PathBuf>,
     /// How the plan is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -259,6 +268,8 @@ pub struct Report {
     /// Where the results are, if not in STUDY/results.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub written: Written,
     /// How the summary is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,

@@ -6,6 +6,7 @@ mod check;
 mod compare;
 mod decide;
 mod diagnose;
+mod diff;
 mod engines;
 mod explore;
 mod format;
@@ -63,6 +64,7 @@ pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
         Command::Requirements(arguments) => requirements::requirements(arguments, setting),
         Command::Decide(arguments) => decide::decide(arguments, setting),
         Command::Compare(arguments) => compare::compare(arguments),
+        Command::Diff(arguments) => diff::diff(arguments),
         Command::Diagnose(arguments) => diagnose::diagnose(arguments, setting),
         Command::Report(arguments) => report::report(arguments),
         Command::Assure(arguments) => assure::assure(arguments),

@@ -7,6 +7,7 @@ mod calibrate;
 mod campaign;
 mod case_study;
 mod cell;
+mod ci;
 mod cloakroom;
 mod command_rig;
 mod commands;
