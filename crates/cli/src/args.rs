@@ -16,6 +16,7 @@ mod reference;
 mod refine;
 pub mod refused;
 mod replay;
+mod shell;
 mod simulate;
 mod watch;
 
@@ -32,6 +33,7 @@ pub use rare::{Calibrate, Rare};
 pub use recordings::{EndingChoice, Inspect, Monitor, Requirements, TimeChoice};
 pub use refine::{Refine, WhatIf};
 pub use replay::{Replay, Shrink};
+pub use shell::{Completions, Doctor, Man};
 pub use simulate::{RecordingForm, Simulate};
 pub use watch::Watch;
 
@@ -148,6 +150,12 @@ pub enum Command {
     Schema(SchemaOfFile),
     /// Explain a diagnostic, a verdict or a word of the report.
     Explain(Explain),
+    /// Say what is present, what is missing, and what each missing thing disables.
+    Doctor(Doctor),
+    /// Print a shell's completion script.
+    Completions(Completions),
+    /// Print or write manual pages.
+    Man(Man),
 }
 
 /// How a result is printed.

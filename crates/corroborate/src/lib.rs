@@ -25,6 +25,7 @@
 //! | fit a simulator to what was counted | [`calibrate()`] |
 //! | estimate how rare an event is | [`rare()`] |
 //! | run the same episodes in two physics engines | [`engines()`] |
+//! | see what is missing around the program | [`doctor`](doctor::doctor()) |
 //! | repeat a flaky test until its rate is decided | [`decide()`] |
 //! | try variants of its assets, side by side | [`what_if()`] |
 //! | be offered patches of its assets, and take them | [`refine()`] |
@@ -45,6 +46,7 @@ pub mod corroboration;
 pub mod decide;
 pub mod diagnose;
 pub mod diff;
+pub mod doctor;
 pub mod engines;
 pub mod explore;
 pub mod init;

@@ -1,7 +1,7 @@
 //! Results as JUnit XML, which build servers and tools of requirements read.
 //!
-//! The form is that of the schema `junit-10` of Jenkins' xUnit plugin, as pytest and Surefire write it: a test case is a requirement,
-//! and what is known of it stands in the properties of the case. Tools that trace requirements read the property `verifies`.
+//! The form is that of the schema `junit-10` of Jenkins' xUnit plugin but for what pytest adds to a test case, `properties` and `file`,
+//! since tools that trace requirements read these: a case is a requirement, and what is known of it stands in its properties. Tools that trace requirements read the property `verifies`.
 //! A requirement that is not decided is *skipped* with its reason: it neither passed nor failed.
 
 mod study;

@@ -12,6 +12,7 @@ mod rig;
 mod ros2;
 mod saving;
 mod scene;
+pub mod surroundings;
 mod trial;
 
 pub use self::handover::{HandoverRig, HandoverTexts};

@@ -387,3 +387,128 @@ fn a_difference_says_what_is_stale_what_stands_and_what_changed_beyond_chance() 
         "{said:?}"
     );
 }
+
+/// A script of `ci/`, run beside a study with the program under test.
+fn script(study: &Study, name: &str, arguments: &[&str], fail_on: &str) -> Said {
+    let mut command = std::process::Command::new("sh");
+    command
+        .arg(root().join("ci").join(name))
+        .args(arguments)
+        .current_dir(study.beside())
+        .env("CORROBORATE", env!("CARGO_BIN_EXE_corroborate"))
+        .env("CORROBORATE_MUJOCO", "")
+        .env("CORROBORATE_FAIL_ON", fail_on);
+    support::program::said(&mut command)
+}
+
+#[test]
+fn a_step_of_continuous_integration_fails_on_a_regression_and_on_what_it_is_told_to() {
+    let study = Study::new();
+    let step = |arguments: &[&str], fail_on: &str| script(&study, "study.sh", arguments, fail_on);
+    let first = step(&["study", "base", "nowhere"], "regression");
+    assert_eq!(first.code, 0, "{first:?}");
+    assert!(!study.beside().join("base/ci/diff.md").exists());
+    for name in ["junit.xml", "summary.md", "findings.sarif"] {
+        assert!(study.beside().join("base/ci").join(name).exists(), "{name}");
+    }
+    let attempts = read(&study.path("attempts.csv"));
+    let half = attempts.lines().enumerate().map(|(line, row)| match line {
+        0 => format!("{row}\n"),
+        _ => row
+            .split(',')
+            .next()
+            .map(|it| format!("{it},2,5,\n"))
+            .expect("a row"),
+    });
+    study.write("attempts.csv", half.collect::<String>());
+    study.edit(
+        "failure_modes.csv",
+        "missed_contact,4,",
+        "missed_contact,0,",
+    );
+    let worse = step(&["study", "now", "base"], "regression");
+    assert_eq!(worse.code, 1, "{worse:?}");
+    assert!(read(&study.beside().join("now/ci/diff.md")).contains("worse: 1"));
+    // What was violated before is no regression, but a violation.
+    assert_eq!(step(&["study", "again", "now"], "regression").code, 0);
+    assert_eq!(step(&["study", "again", "now"], "violation").code, 1);
+    assert_eq!(step(&["study", "again"], "regression").code, 1);
+    assert_eq!(step(&["study", "again"], "never").code, 0);
+    assert_eq!(step(&["study", "again"], "sometimes").code, 2);
+    study.write("ledger.toml", "[[evidence]]\n");
+    assert_eq!(step(&["study", "again", "now"], "never").code, 2);
+    assert_eq!(step(&["study"], "never").code, 2);
+}
+
+#[test]
+fn the_hook_checks_the_studies_of_changed_files_once_each() {
+    let study = Study::new();
+    let hook = |files: &[&str]| script(&study, "pre-commit/check-studies", files, "never");
+    assert_eq!(
+        hook(&["study/ledger.toml", "study/model.prism", "elsewhere.toml"]).code,
+        0
+    );
+    study.edit(
+        "ledger.toml",
+        "conditions = \"typical\"",
+        "conditions = \"tropical\"",
+    );
+    let said = hook(&["study/model.prism", "study/ledger.toml"]);
+    assert_eq!(said.code, 2, "{said:?}");
+    assert_eq!(
+        said.talk.matches("error[unknown-conditions]").count(),
+        1,
+        "{}",
+        said.talk
+    );
+    assert_eq!(hook(&["elsewhere.toml"]).code, 0);
+}
+
+/// The published schemas are not kept here: they are named by the environment, and read by Python's `jsonschema` and `lxml`.
+#[test]
+fn what_is_written_conforms_to_the_published_schemas() {
+    let schemas = ["CORROBORATE_SARIF_SCHEMA", "CORROBORATE_JUNIT_SCHEMA"].map(std::env::var_os);
+    let [Some(sarif), Some(junit)] = schemas else {
+        eprintln!("skipped: CORROBORATE_SARIF_SCHEMA and CORROBORATE_JUNIT_SCHEMA name no schemas");
+        return;
+    };
+    let study = Study::new();
+    assert_eq!(
+        study
+            .run(&[
+                "-q", "run", "study", "--junit", "v.xml", "--sarif", "v.sarif"
+            ])
+            .code,
+        0
+    );
+    study.edit(
+        "ledger.toml",
+        "conditions = \"typical\"",
+        "conditions = \"tropical\"",
+    );
+    assert_eq!(
+        study
+            .run(&["-q", "plan", "study", "--sarif", "p.sarif"])
+            .code,
+        2
+    );
+    // pytest writes properties of a case, too, which the schema of Jenkins' plugin has of suites alone.
+    let check = "import json, sys, jsonschema, lxml.etree as xml\n\
+                 sarif = jsonschema.Draft4Validator(json.load(open(sys.argv[1])))\n\
+                 for name in ('v.sarif', 'p.sarif'):\n    sarif.validate(json.load(open(name)))\n\
+                 text = open(sys.argv[2]).read()\n\
+                 case = text.index('name=\"testcase\"')\n\
+                 text = text[:case] + text[case:].replace('<xs:element ref=\"skipped\"/>', '<xs:element ref=\"properties\"/><xs:element ref=\"skipped\"/>', 1)\n\
+                 xml.XMLSchema(xml.fromstring(text.encode())).assertValid(xml.parse('v.xml'))\n";
+    let said = std::process::Command::new("python3")
+        .args(["-c", check])
+        .args([sarif, junit])
+        .current_dir(study.beside())
+        .output()
+        .expect("python3 runs");
+    assert!(
+        said.status.success(),
+        "{}",
+        String::from_utf8_lossy(&said.stderr)
+    );
+}

@@ -53,6 +53,7 @@ mod refine_together;
 mod replay;
 mod requirement_forms;
 mod scene_truth;
+mod shell;
 mod shrink;
 mod signals;
 mod simulation;

@@ -3,6 +3,7 @@
 use diagnostic::Problem;
 use host::Cancel;
 use std::fs::File;
+use std::io::Read;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -41,6 +42,28 @@ pub(crate) fn cannot_start(program: &str, error: &str) -> Problem {
         format!("`{program}` cannot be started: {error}"),
     )
     .remedy("check `command` in the ledger; it runs in the study's folder")
+}
+
+/// The first line that a process has printed that was started with a pipe for its output, if it ends well within `limit`. It may
+/// print no more than a pipe holds.
+pub(crate) fn output_of(
+    mut child: Child,
+    limit: Duration,
+    interrupt: &Cancel,
+) -> Result<String, String> {
+    let out = child.stdout.take();
+    let ended = Running(child).wait(limit, interrupt);
+    match ended {
+        Ok(Some(status)) if status.success() => {
+            let mut text = String::new();
+            let read = out.map(|mut it| it.read_to_string(&mut text)).transpose();
+            read.map_err(|error| error.to_string())?;
+            Ok(text.lines().next().unwrap_or_default().to_owned())
+        }
+        Ok(Some(status)) => Err(status.to_string()),
+        Ok(None) => Err(format!("it did not end within {} s", limit.as_secs())),
+        Err(problem) => Err(problem.line()),
+    }
 }
 
 /// What a command said last.
