@@ -6,7 +6,7 @@
 //!   `R` in a column of codes.
 //! * *requirements* has the columns requirement, covered, passed, failed.
 //! * *failure modes* has the columns mode, occurrences, opportunities.
-//! * JUnit XML of runs, whose test cases are trials ([`junit`]).
+//! * JUnit XML of runs, whose test cases are trials (`junit.rs`).
 //!
 //! Where two tables speak of the same count, they must agree. What is counted only in all, beside a cohort,
 //! was done by the same people: it is worth as many independent trials as they tell.
