@@ -5,6 +5,7 @@
 
 use stats::{
     Confidence, Decision, IndifferenceTest, Sample, binomial_test_above, binomial_test_below,
+    continued_above, continued_below,
 };
 
 /// What a requirement asks for in all suites: a rate of at least 0.95, decided at 95 % with a margin of 0.02.
@@ -40,6 +41,7 @@ impl Draws {
 pub struct Answer {
     decision: Decision,
     trials: u64,
+    successes: u64,
 }
 
 /// Trials one after another until the test has decided, `most` at most.
@@ -56,12 +58,14 @@ fn decided(draws: &mut Draws, rate: f64, test: &IndifferenceTest, most: u64) -> 
             return Answer {
                 decision,
                 trials: sample.trials,
+                successes: sample.successes,
             };
         }
     }
     Answer {
         decision: Decision::Open,
         trials: most,
+        successes: sample.successes,
     }
 }
 
@@ -74,6 +78,7 @@ fn until_pass(draws: &mut Draws, rate: f64) -> Answer {
             None => Decision::Below,
         },
         trials: passed.unwrap_or(TRIES),
+        successes: u64::from(passed.is_some()),
     }
 }
 
@@ -100,6 +105,7 @@ fn fixed(draws: &mut Draws, rate: f64, plan: Sample) -> Answer {
             false => Decision::Below,
         },
         trials: plan.trials,
+        successes: passed,
     }
 }
 
@@ -118,7 +124,9 @@ impl Shares {
     fn of(count: u32, mut answer: impl FnMut() -> Answer) -> Self {
         let mut shares = Self::default();
         for _ in 0..count {
-            let Answer { decision, trials } = answer();
+            let Answer {
+                decision, trials, ..
+            } = answer();
             shares.passed += f64::from(u8::from(decision == Decision::AtLeast));
             shares.failed += f64::from(u8::from(decision == Decision::Below));
             shares.trials += trials as f64;
@@ -191,6 +199,24 @@ pub fn wrong_suites(rate: f64, wrong: Decision, suites: u32) -> [f64; 2] {
     })
 }
 
+/// How often a study is wrong that takes the number of trials for fixed at which this test stopped them, where the true rate is the one
+/// that it judges them against: "satisfied" (the rate is shown to be above), and "violated" (below), each at 5 % with one look.
+pub fn taken_for_fixed(tests: u32) -> [f64; 2] {
+    let test = test(Confidence::P95);
+    let draws = &mut Draws(9 << 50);
+    let mut wrong = [0_u32; 2];
+    for _ in 0..tests {
+        let stopped = decided(draws, THRESHOLD, &test, MOST);
+        let look = [Sample {
+            successes: stopped.successes,
+            trials: stopped.trials,
+        }];
+        wrong[0] += u32::from(continued_above(&look, THRESHOLD) <= 0.05);
+        wrong[1] += u32::from(continued_below(&look, THRESHOLD) <= 0.05);
+    }
+    wrong.map(|wrong| f64::from(wrong) / f64::from(tests))
+}
+
 fn main() {
     let suites = std::env::args().nth(1).and_then(|it| it.parse().ok());
     let suites = suites.unwrap_or(4000);
@@ -245,4 +271,8 @@ fn main() {
         let [each, all] = wrong_suites(rate, wrong, suites).map(|it| 100.0 * it);
         println!("| {name} | {each:.1} | {all:.1} |");
     }
+    let [satisfied, violated] = taken_for_fixed(suites).map(|it| 100.0 * it);
+    println!(
+        "\nstopped counts taken for fixed, true rate {THRESHOLD}: \"satisfied\" in {satisfied:.1} %, \"violated\" in {violated:.1} %"
+    );
 }

@@ -280,6 +280,36 @@ fn mistakes_of_a_study_are_findings_at_their_lines() {
     }
 }
 
+#[test]
+fn mistakes_of_a_model_are_findings_at_their_lines() {
+    let study = Study::new();
+    study.edit(
+        "model.prism",
+        "const double pTouches = 0.95;",
+        "const double pTouches = ;",
+    );
+    let said = study.run(&[
+        "check",
+        "study/model.prism",
+        "P=? [ F x=1 ]",
+        "--sarif",
+        "m.sarif",
+    ]);
+    assert_eq!(said.code, 2, "{said:?}");
+    let log: Value = serde_json::from_str(&read(&study.beside().join("m.sarif"))).expect("JSON");
+    let place = &log["runs"][0]["results"][0]["locations"][0]["physicalLocation"];
+    assert_eq!(place["artifactLocation"]["uri"], "study/model.prism");
+    let line = place["region"]["startLine"].as_u64().expect("a line") as usize;
+    let text = read(&study.path("model.prism"));
+    assert!(
+        text.lines()
+            .nth(line - 1)
+            .expect("a line")
+            .contains("pTouches ="),
+        "{log}"
+    );
+}
+
 fn diff(study: &Study, old: &str, new: &str) -> (i32, Value) {
     let said = study.run(&["diff", old, new, "--format", "json"]);
     let report = result(&said);
