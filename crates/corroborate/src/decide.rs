@@ -13,7 +13,7 @@ mod seeds;
 mod tables;
 
 pub use journal::{JOURNAL, Outcome};
-pub use protocol::{Protocol, ProtocolRequest};
+pub use protocol::{Answer, Protocol, ProtocolRequest};
 pub use report::{DecideReport, Failing, StoppedBy, Verdict, Zone, percent};
 pub use rule::{Counts, DecideRule, OnError};
 pub use seeds::seed_of;

@@ -104,6 +104,8 @@ pub struct RateChange {
     pub p_corrected: f64,
     /// Whether it changed beyond chance.
     pub beyond_chance: bool,
+    /// Whether it changed by more than the study's margin, within which two rates count as agreeing.
+    pub beyond_margin: bool,
     /// Whether the change is for the worse: fewer runs satisfy a requirement, or a failure occurs more often.
     pub worse: bool,
 }
@@ -321,6 +323,7 @@ fn rate_changes(
                 p,
                 p_corrected: p,
                 beyond_chance: false,
+                beyond_margin: (now - old).abs() > it.margin,
             });
         }
     }
@@ -382,10 +385,11 @@ fn cost_changes(
 }
 
 impl Ended for DiffReport {
-    /// Whether a verdict got worse, or a rate did beyond chance.
+    /// Whether a verdict got worse, or a rate did beyond chance and beyond the margin.
     fn outcome(&self) -> Outcome {
         let verdict = self.verdicts.iter().any(|it| it.worse);
-        let rate = self.rates.iter().any(|it| it.worse && it.beyond_chance);
+        let is_bad = |it: &RateChange| it.worse && it.beyond_chance && it.beyond_margin;
+        let rate = self.rates.iter().any(is_bad);
         match verdict || rate {
             true => Outcome::Violated,
             false => Outcome::Holds,

@@ -26,7 +26,8 @@ Says which evidence an edit made stale and which stands, which verdicts changed,
 which rates of evidence that was produced again changed beyond chance (at the
 study's confidence, with Holm's correction for all of them), and what it cost.
 Either is a folder of results, a study that has been run, or the file study.json.
-Exits 1 if a verdict got worse, or a rate did beyond chance.")]
+Exits 1 if a verdict got worse, or a rate did beyond chance and by more than the
+study's margin.")]
 pub struct Diff {
     /// The earlier result.
     pub old: PathBuf,

@@ -316,6 +316,8 @@ fn lines_come_to_the_same_answer_in_any_order() {
             format!("{} {}", fields[0], fields[2])
         })
         .collect();
+    let schema = read(&root().join("schemas/decide-answer.schema.json"));
+    let schema: Value = serde_json::from_str(&schema).expect("a schema is JSON");
     for order in [lines.clone(), lines.iter().rev().cloned().collect()] {
         let words = [
             "-q",
@@ -343,7 +345,9 @@ fn lines_come_to_the_same_answer_in_any_order() {
         let mut ask = |line: &str| -> Value {
             writeln!(input, "{line}").expect("told");
             let answer = answers.next().expect("an answer").expect("text");
-            serde_json::from_str(&answer).expect("JSON")
+            let answer = serde_json::from_str(&answer).expect("JSON");
+            assert_eq!(violations(&schema, &answer), Vec::<String>::new());
+            answer
         };
         let seed = trials
             .lines()

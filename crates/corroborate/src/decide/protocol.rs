@@ -11,11 +11,12 @@
 //! others wait for those before them.
 
 use super::journal::{Outcome, Trial};
-use super::report::{Asked, DecideReport};
+use super::report::{Asked, DecideReport, Verdict};
 use super::rule::{Course, DecideRule};
 use super::{seeds, tables};
 use diagnostic::Problem;
 use host::store::Store;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -45,17 +46,28 @@ pub struct Protocol {
     taken: u64,
 }
 
-#[derive(Serialize)]
-struct Seed {
-    trial: u64,
-    seed: u64,
-}
-
-#[derive(Serialize)]
-struct Standing {
-    verdict: super::Verdict,
-    ended: bool,
-    taken: u64,
+/// The answer to a line.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Answer {
+    /// To `seed TRIAL`.
+    Seed {
+        /// The trial.
+        trial: u64,
+        /// Its seed.
+        seed: u64,
+    },
+    /// To the outcome of a trial.
+    Standing {
+        /// What is decided so far.
+        verdict: Verdict,
+        /// Whether no further trials are needed: it is decided, or a limit is reached.
+        ended: bool,
+        /// How many trials have been taken; others that were told wait for those before them.
+        taken: u64,
+    },
+    /// To `report`.
+    Report(Box<DecideReport>),
 }
 
 impl Protocol {
@@ -77,7 +89,7 @@ impl Protocol {
     ///
     /// # Errors
     /// `bad-line`; what writing the tables says.
-    pub fn answer(&mut self, line: &str) -> Result<String, Problem> {
+    pub fn answer(&mut self, line: &str) -> Result<Answer, Problem> {
         let line = line.trim();
         let (first, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match (first, rest.trim()) {
@@ -87,12 +99,12 @@ impl Protocol {
                     let store = Store::open(out)?;
                     tables::write(store.folder(), &report, self.course.trials())?;
                 }
-                in_one_line(&report)
+                Ok(Answer::Report(Box::new(report)))
             }
             ("seed", number) => {
                 let trial = trial_number(number, line)?;
                 let seed = seeds::seed_of(self.request.seed, trial);
-                in_one_line(&Seed { trial, seed })
+                Ok(Answer::Seed { trial, seed })
             }
             (number, outcome) => self.told(trial_number(number, line)?, outcome, line),
         }
@@ -110,7 +122,7 @@ impl Protocol {
         DecideReport::of(&self.course, asked)
     }
 
-    fn told(&mut self, trial: u64, text: &str, line: &str) -> Result<String, Problem> {
+    fn told(&mut self, trial: u64, text: &str, line: &str) -> Result<Answer, Problem> {
         let (name, why) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
         let outcome = Outcome::named(name).ok_or_else(|| bad_line(line))?;
         let told = Trial {
@@ -135,7 +147,7 @@ impl Protocol {
             self.course.take(next.clone());
             self.taken += 1;
         }
-        in_one_line(&Standing {
+        Ok(Answer::Standing {
             verdict: self.course.verdict(),
             ended: self.course.ended().is_some(),
             taken: self.taken,
@@ -154,9 +166,4 @@ fn bad_line(line: &str) -> Problem {
         "write `seed TRIAL`, `TRIAL OUTCOME [WHY]` with pass, fail, error or not-applicable, or `report`; trials are numbered \
          from 1",
     )
-}
-
-fn in_one_line(value: &impl Serialize) -> Result<String, Problem> {
-    let text = serde_json::to_string(value);
-    text.map_err(|error| Problem::new("cannot-write", error.to_string()))
 }

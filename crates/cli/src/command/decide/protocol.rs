@@ -3,7 +3,7 @@
 use super::{Done, keep};
 use crate::args::Decide;
 use corroborate::Ended;
-use corroborate::decide::{Protocol, ProtocolRequest};
+use corroborate::decide::{Answer, Protocol, ProtocolRequest};
 use diagnostic::Problem;
 use std::io::{BufRead, Write};
 
@@ -24,10 +24,11 @@ pub fn converse(arguments: &Decide) -> Result<Done, Problem> {
             continue;
         }
         let answer = protocol.answer(&line)?;
-        if let (Some(out), "report") = (&arguments.out, line.trim()) {
-            keep(&protocol.report(), out)?;
+        if let (Some(out), Answer::Report(report)) = (&arguments.out, &answer) {
+            keep(report, out)?;
         }
         let mut output = std::io::stdout().lock();
+        let answer = in_one_line(&answer)?;
         let said = writeln!(output, "{answer}").and_then(|()| output.flush());
         said.map_err(lost)?;
     }
@@ -35,4 +36,20 @@ pub fn converse(arguments: &Decide) -> Result<Done, Problem> {
         output: String::new(),
         outcome: protocol.report().outcome(),
     })
+}
+
+fn in_one_line(answer: &Answer) -> Result<String, Problem> {
+    let text = serde_json::to_string(answer);
+    text.map_err(|error| Problem::new("cannot-write", error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_schema_is_the_form_that_is_printed() {
+        let schema: serde_json::Value = schemars::schema_for!(Answer).into();
+        crate::command::tests::assert_schema_is_committed("decide-answer.schema.json", &schema);
+    }
 }

@@ -26,7 +26,10 @@ pub fn markdown(report: &DiffReport) -> String {
     let title = escaped(&report.title);
     let mut text = format!("## {title}: what changed in the evidence\n");
     for (heading, lines) in parts(report) {
-        let _ = writeln!(text, "\n**{}**\n", escaped(&heading));
+        let _ = writeln!(text, "\n**{}**", escaped(&heading));
+        if !lines.is_empty() {
+            text.push('\n');
+        }
         for line in lines {
             let _ = writeln!(text, "* {}", escaped(&line));
         }
@@ -80,16 +83,32 @@ fn rates(report: &DiffReport) -> Part {
 }
 
 fn rate(change: &RateChange) -> String {
+    // Of computed values nothing is left to chance.
+    let by = match change.p > 0.0 {
+        true => format!("p = {}, corrected {}", p(change.p), p(change.p_corrected)),
+        false => "computed in both".to_owned(),
+    };
+    let size = match (change.worse, change.beyond_margin) {
+        (true, true) => "; worse by more than the margin",
+        (true, false) => "; worse, within the margin",
+        (false, true) => "; better by more than the margin",
+        (false, false) => "; better, within the margin",
+    };
     format!(
-        "{}, {}: {:.2} %, before {:.2} % (p = {:.2e}, corrected {:.2e}){}",
+        "{}, {}: {:.2} %, before {:.2} % ({by}){size}",
         change.evidence,
         change.subject.in_words(),
         100.0 * change.after,
-        100.0 * change.before,
-        change.p,
-        change.p_corrected,
-        if change.worse { ", for the worse" } else { "" }
+        100.0 * change.before
     )
+}
+
+/// A p-value.
+fn p(value: f64) -> String {
+    match value < 1e-4 {
+        true => format!("{value:.1e}"),
+        false => format!("{value:.4}"),
+    }
 }
 
 fn of_fate(report: &DiffReport, fate: Fate) -> impl Iterator<Item = &EvidenceChange> {
