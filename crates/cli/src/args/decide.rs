@@ -15,7 +15,8 @@ const FOLDER: &str = "decision";
 Examples:
   corroborate decide -- ./run_test.sh {seed}
   corroborate decide --requirement REQ-7 --at-least 0.95 --margin 0.02 -- ./run_test.sh {seed}
-  corroborate decide --jobs 4 --timeout 5min --out results/grasp -- ctest -R grasp --test-arguments={seed}
+  corroborate decide --jobs 4 --timeout 5min --out results/grasp -- launch_test grasp.test.py seed:={seed}
+  corroborate decide -- sh -c 'SEED={seed} ctest -R grasp --no-tests=error'
   corroborate decide --on-error failure -- ./gtest_grasp --seed={seed}
 
 The test is run again and again, each time with another seed, until its rate of

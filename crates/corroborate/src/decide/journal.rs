@@ -202,3 +202,74 @@ fn same_settings(source: &Source, begun: &Value, now: &Value) -> Result<(), Prob
          not counted together",
     ))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SETTINGS: [&str; 2] = ["sh", "{seed}"];
+
+    fn trial(number: u64, outcome: Outcome) -> Trial {
+        Trial {
+            trial: number,
+            seed: 7 * number,
+            outcome,
+            why: String::new(),
+        }
+    }
+
+    #[test]
+    fn wherever_a_journal_is_cut_off_its_whole_lines_are_kept_and_it_goes_on() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let journal = Journal::open(folder.path(), &SETTINGS).expect("begun");
+        let trials = [
+            trial(2, Outcome::Fail),
+            trial(1, Outcome::Pass),
+            trial(3, Outcome::Error),
+        ];
+        for one in &trials {
+            journal.write(one).expect("kept");
+        }
+        drop(journal);
+        let path = folder.path().join(JOURNAL);
+        let whole = std::fs::read_to_string(&path).expect("text");
+        for end in 0..=whole.len() {
+            std::fs::write(&path, &whole[..end]).expect("cut");
+            let journal = Journal::open(folder.path(), &SETTINGS).expect("whole lines");
+            let lines = whole[..end].matches('\n').count();
+            assert_eq!(journal.count(), lines.saturating_sub(1), "{end}");
+            for one in &trials[journal.count()..] {
+                journal.write(one).expect("kept");
+            }
+            assert_eq!(
+                std::fs::read_to_string(&path).expect("text"),
+                whole,
+                "{end}"
+            );
+        }
+    }
+
+    #[test]
+    fn other_settings_and_lines_that_are_none_are_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let journal = Journal::open(folder.path(), &SETTINGS).expect("begun");
+        journal.write(&trial(1, Outcome::Pass)).expect("kept");
+        journal.write(&trial(2, Outcome::Pass)).expect("kept");
+        drop(journal);
+        let other = Journal::open(folder.path(), &["bash"]).expect_err("other settings");
+        assert_eq!(other.code, "other-trials");
+        let path = folder.path().join(JOURNAL);
+        let whole = std::fs::read_to_string(&path).expect("text");
+        for wrong in [
+            whole.replace("\"trial\":2", "\"trial\":1"),
+            whole.replace("\"trial\":1", "\"trial\":-1"),
+            whole.replace("\"outcome\":\"pass\"", "\"outcome\":\"passed\""),
+            whole.replace("\n{", "\n\n{"),
+        ] {
+            std::fs::write(&path, &wrong).expect("written");
+            let problem = Journal::open(folder.path(), &SETTINGS).expect_err("damaged");
+            assert_eq!(problem.code, "bad-journal", "{wrong}");
+            assert!(problem.has_place());
+        }
+    }
+}

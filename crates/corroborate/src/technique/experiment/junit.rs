@@ -346,3 +346,78 @@ fn bad(source: &Source, span: std::ops::Range<usize>, message: String) -> Proble
         "name files that test runs wrote; `corroborate explain junit` says what is read of them",
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RUN: &str = "<?xml version=\"1.0\"?>\n<testsuites><testsuite name=\"s\"><properties><property name=\"seed\" value=\"7\"/>\
+                       </properties><testcase classname=\"a\" name=\"b[1-2]\"><properties><property name=\"verifies\">2, 1</property>\
+                       </properties><failure message=\"&lt;\">x</failure></testcase></testsuite></testsuites>\n";
+
+    /// A study with the requirements 1 and 2, and its folder.
+    fn study() -> (tempfile::TempDir, Study) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let study = folder.path().join("study");
+        crate::new_study(&study).expect("made");
+        let study = Study::load(&study).expect("loaded");
+        (folder, study)
+    }
+
+    fn read_text(study: &Study, text: &[u8]) -> Result<Vec<Counted>, Problem> {
+        std::fs::write(study.folder.join("run.xml"), text).expect("written");
+        let files = Files::of(&study.folder);
+        read(study, Path::new("run.xml"), &BTreeMap::new(), &files)
+    }
+
+    #[test]
+    fn a_case_is_of_all_requirements_that_it_names() {
+        let (_folder, study) = study();
+        let failed = |requirement: &str| Counted {
+            requirement: requirement.into(),
+            passed: 0,
+            failed: 1,
+            unknown: 0,
+            skipped: 0,
+        };
+        let counted = read_text(&study, RUN.as_bytes()).expect("read");
+        assert_eq!(counted, [failed("1"), failed("2")]);
+    }
+
+    /// The bytes are changed, cut and repeated in the same way each time: what is read is counted or refused.
+    #[test]
+    fn whatever_a_file_holds_is_counted_or_refused() {
+        let (_folder, study) = study();
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut below = |limit: usize| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state % limit as u64) as usize
+        };
+        let (mut counted, mut refused) = (0, 0);
+        for _ in 0..2000 {
+            let mut bytes = RUN.as_bytes().to_vec();
+            for _ in 0..=below(3) {
+                let at = below(bytes.len());
+                match below(4) {
+                    0 => bytes[at] = below(256) as u8,
+                    1 => drop(bytes.drain(at..(at + below(20)).min(bytes.len()))),
+                    2 => {
+                        let piece = bytes[at..(at + below(60)).min(bytes.len())].to_vec();
+                        drop(bytes.splice(at..at, piece));
+                    }
+                    _ => bytes.truncate(at.max(1)),
+                }
+            }
+            match read_text(&study, &bytes) {
+                Ok(_) => counted += 1,
+                Err(problem) => {
+                    assert!(problem.what_to_do().is_some(), "{problem}");
+                    refused += 1;
+                }
+            }
+        }
+        assert!(counted > 100 && refused > 100, "{counted} {refused}");
+    }
+}
