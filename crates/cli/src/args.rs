@@ -2,7 +2,9 @@
 
 mod assurance;
 mod check;
+mod decide;
 mod diagnose;
+mod diff;
 mod engines;
 mod explore;
 mod format;
@@ -14,12 +16,15 @@ mod reference;
 mod refine;
 pub mod refused;
 mod replay;
+mod shell;
 mod simulate;
 mod watch;
 
 pub use assurance::{Assure, Verify};
 pub use check::{Check, CheckFormat, Termination};
+pub use decide::Decide;
 pub use diagnose::Diagnose;
+pub use diff::{Diff, DiffFormat, Written};
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
 pub use format::FormatFiles;
@@ -28,6 +33,7 @@ pub use rare::{Calibrate, Rare};
 pub use recordings::{EndingChoice, Inspect, Monitor, Requirements, TimeChoice};
 pub use refine::{Refine, WhatIf};
 pub use replay::{Replay, Shrink};
+pub use shell::{Completions, Doctor, Man};
 pub use simulate::{RecordingForm, Simulate};
 pub use watch::Watch;
 
@@ -124,8 +130,12 @@ pub enum Command {
     Inspect(Inspect),
     /// Show requirements in all their forms, and where the forms disagree.
     Requirements(Requirements),
+    /// Repeat a flaky test until its rate of success is decided.
+    Decide(Box<Decide>),
     /// Compare the pieces of evidence of a study that has been run.
     Compare(Compare),
+    /// Say what changed between two results of a study: what is stale, what stands, which rates differ beyond chance.
+    Diff(Diff),
     /// Find which asset causes the disagreements in a study.
     Diagnose(Diagnose),
     /// Write the report of a study that has been run.
@@ -140,6 +150,12 @@ pub enum Command {
     Schema(SchemaOfFile),
     /// Explain a diagnostic, a verdict or a word of the report.
     Explain(Explain),
+    /// Say what is present, what is missing, and what each missing thing disables.
+    Doctor(Doctor),
+    /// Print a shell's completion script.
+    Completions(Completions),
+    /// Print or write manual pages.
+    Man(Man),
 }
 
 /// How a result is printed.
@@ -190,6 +206,8 @@ pub struct Run {
     /// How many threads to use (results do not depend on it).
     #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    #[command(flatten)]
+    pub written: Written,
     /// How the summary is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -213,6 +231,9 @@ pub struct Plan {
     /// Plan only this evidence (may be repeated); then nothing is compared.
     #[arg(long, value_name = "ID")]
     pub only: Vec<String>,
+    /// Also write mistakes in the study's files in SARIF.
+    #[arg(long, value_name = "FILE")]
+    pub sarif: Option<PathBuf>,
     /// How the plan is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -255,6 +276,8 @@ pub struct Report {
     /// Where the results are, if not in STUDY/results.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub written: Written,
     /// How the summary is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,

@@ -4,12 +4,17 @@ mod assure;
 mod calibrate;
 mod check;
 mod compare;
+mod completions;
+mod decide;
 mod diagnose;
+mod diff;
+mod doctor;
 mod engines;
 mod explore;
 mod format;
 mod init;
 mod inspect;
+mod man;
 mod monitor;
 mod plan;
 mod rare;
@@ -60,7 +65,9 @@ pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
         Command::Inspect(arguments) => inspect::inspect(arguments, setting),
         Command::Watch(arguments) => watch::watch(arguments, setting),
         Command::Requirements(arguments) => requirements::requirements(arguments, setting),
+        Command::Decide(arguments) => decide::decide(arguments, setting),
         Command::Compare(arguments) => compare::compare(arguments),
+        Command::Diff(arguments) => diff::diff(arguments),
         Command::Diagnose(arguments) => diagnose::diagnose(arguments, setting),
         Command::Report(arguments) => report::report(arguments),
         Command::Assure(arguments) => assure::assure(arguments),
@@ -68,6 +75,9 @@ pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
         Command::Init(arguments) => init::init(arguments),
         Command::Schema(arguments) => schema::schema(arguments),
         Command::Explain(arguments) => crate::explain::explain(arguments),
+        Command::Doctor(arguments) => doctor::doctor(arguments, setting),
+        Command::Completions(arguments) => completions::completions(arguments),
+        Command::Man(arguments) => man::man(arguments),
     }
 }
 

@@ -14,6 +14,7 @@ mod python_path;
 mod shown_calibration;
 mod shown_problem;
 mod terminal;
+mod written;
 
 use clap::Parser;
 use std::io::{IsTerminal, Write};

@@ -10,7 +10,7 @@
 //! | cancel it | [`Host::cancel`]: call [`Cancel::cancel`](host::Cancel::cancel) from any thread |
 //! | read verdicts | [`StudyResult::conclusions`](evidence::StudyResult::conclusions); their sum, as of all reports, as [`Ended::outcome`] |
 //! | read the result of an earlier run | [`results::read_current_result`] |
-//! | compare pieces of evidence | [`compare()`] |
+//! | compare pieces of evidence | [`compare()`]; two results [`diff()`] |
 //! | find which asset is to blame for what disagrees | [`diagnose()`]; one path of a model [`sampled_path`](diagnose::sampled_path) |
 //! | check that every figure follows from its evidence | [`verify()`] |
 //! | write its assurance case, with statements that others sign | [`assure()`] |
@@ -25,6 +25,8 @@
 //! | fit a simulator to what was counted | [`calibrate()`] |
 //! | estimate how rare an event is | [`rare()`] |
 //! | run the same episodes in two physics engines | [`engines()`] |
+//! | see what is missing around the program | [`doctor`](doctor::doctor()) |
+//! | repeat a flaky test until its rate is decided | [`decide()`] |
 //! | try variants of its assets, side by side | [`what_if()`] |
 //! | be offered patches of its assets, and take them | [`refine()`] |
 //! | look into a recording or a robot's description | [`inspect()`] |
@@ -41,7 +43,10 @@ pub mod assure;
 pub mod calibrate;
 mod compare;
 pub mod corroboration;
+pub mod decide;
 pub mod diagnose;
+pub mod diff;
+pub mod doctor;
 pub mod engines;
 pub mod explore;
 pub mod init;
@@ -82,7 +87,9 @@ pub use study::Study;
 pub use assure::{AssureReport, AssureRequest, Drawing, NamedTexts, assure};
 pub use calibrate::{CalibrateRequest, calibrate};
 pub use compare::{CompareReport, CompareRequest, compare};
+pub use decide::{DecideReport, DecideRequest, decide};
 pub use diagnose::{DiagnoseRequest, diagnose};
+pub use diff::{DiffReport, DiffRequest, diff};
 pub use engines::{EnginesReport, EnginesRequest, engines};
 pub use explore::{ExploreRequest, explore};
 pub use init::{InitReport, InitRequest, InitSource, Template, init, new_study};

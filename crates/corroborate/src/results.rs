@@ -47,7 +47,22 @@ pub fn read_result(study: &Path, folder: &Path) -> Result<StudyResult, Problem> 
         )
         .remedy(format!("run `corroborate run {}` first", study.display())));
     }
-    let source = host::files::read_source(&path)?;
+    read_result_file(&path)
+}
+
+/// A result in a file.
+///
+/// # Errors
+/// `not-run` if there is no such file, `bad-result` if it is none.
+pub(crate) fn read_result_file(path: &Path) -> Result<StudyResult, Problem> {
+    if !path.exists() {
+        let message = format!("{} does not exist", path.display());
+        return Err(Problem::new("not-run", message).remedy(
+            "name a study that has been run, its folder of results, or the file study.json in it",
+        ));
+    }
+    // It is written by this program and may be of any size.
+    let source = host::files::read_any_size(path)?;
     let result: StudyResult = serde_json::from_str(&source.text).map_err(|error| {
         Problem::new("bad-result", format!("{}: {error}", path.display()))
             .remedy("run the study again")

@@ -5,15 +5,20 @@
 //! study is escaped.
 
 pub mod assurance;
+pub mod junit;
+mod markdown;
 mod number;
 mod page;
 mod plan;
 mod plot;
 pub mod replay;
+pub mod sarif;
 mod section;
 mod text;
 mod view;
 mod words;
+
+pub use markdown::markdown;
 
 use evidence::StudyResult;
 

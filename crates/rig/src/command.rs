@@ -9,7 +9,7 @@
 //! it does not say what it draws from its seed itself, so of all draws only those of the ledger's
 //! stimulus can be set.
 
-mod once;
+pub(super) mod once;
 mod outside;
 mod persistent;
 

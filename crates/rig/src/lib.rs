@@ -12,6 +12,8 @@ mod rig;
 mod ros2;
 mod saving;
 mod scene;
+pub mod surroundings;
+mod trial;
 
 pub use self::handover::{HandoverRig, HandoverTexts};
 pub use asset::asset;
@@ -22,3 +24,4 @@ pub use rig::{Rig, episode_name, failed};
 pub use ros2::Join;
 pub use saving::{Resumable, Running, Saved};
 pub use scene::{ScenePhysics, SceneRig};
+pub use trial::{TrialCommand, TrialEnd};

@@ -16,6 +16,7 @@
 //! | What are trials worth that are alike within groups? | [`kish_design_effect`] |
 //! | Does one subject differ from all others? | [`outlier`](outlier()) |
 //! | What may be said while trials go on, at any time? | [`confidence_sequence`], [`SequentialTest`] |
+//! | Is the rate at least a threshold, repeating trials until it is known? | [`IndifferenceTest`], [`time_uniform_limits`] |
 //! | What may be said when trials are added and the question is asked again? | [`continued_above`], [`continued_p`], [`continued_interval`] |
 //! | How many trials does it take? | [`trials_per_arm`], [`further_trials`], [`Predictive`] |
 //! | What do uncertain constants do to a result? | [`posterior_design`], [`Draws`], [`variance_shares`], [`SharesDesign`], [`credible_box`] |
@@ -43,6 +44,7 @@ mod gauss_grid;
 mod grouping;
 mod guarantee;
 mod heterogeneity;
+mod indifference;
 mod interval;
 mod kruskal_wallis;
 mod multiple;
@@ -95,6 +97,7 @@ pub use guarantee::Guarantee;
 pub use heterogeneity::{
     ChiSquared, Combined, Heterogeneity, chi_squared_homogeneity, heterogeneity, pool,
 };
+pub use indifference::{IndifferenceTest, time_uniform_limits};
 pub use interval::{IntervalMethod, agresti_coull, clopper_pearson, jeffreys, wilson};
 pub use kruskal_wallis::{KruskalWallis, kruskal_wallis, kruskal_wallis_exact};
 pub use multiple::holm;

@@ -117,7 +117,7 @@ pub fn confidence_sequence(sample: Sample, confidence: Confidence) -> Interval {
 
 /// By halving, the end between `outside`, which is excluded, and `inside`, which is not; on the
 /// excluded side, so that rounding never narrows an interval.
-fn boundary(mut outside: f64, mut inside: f64, excluded: impl Fn(f64) -> bool) -> f64 {
+pub(crate) fn boundary(mut outside: f64, mut inside: f64, excluded: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..100 {
         let middle = f64::midpoint(outside, inside);
         if middle == outside || middle == inside {

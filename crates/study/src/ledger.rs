@@ -271,6 +271,12 @@ pub enum Work {
         failure_modes: Option<PathBuf>,
         /// Why the one subject of a cohort stands for all, where the study declares it.
         one_for_all: Option<String>,
+        /// JUnit XML of runs: a folder or a file.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        junit: Option<PathBuf>,
+        /// By requirement the test that verifies it.
+        #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+        tests: BTreeMap<String, String>,
     },
     /// Judge recordings with the monitors; each is a trial.
     Judge {

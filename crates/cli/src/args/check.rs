@@ -66,6 +66,9 @@ pub struct Check {
     /// How many iterations a method that has no bounds may take.
     #[arg(long = "maxiters", value_name = "N")]
     pub max_iterations: Option<u64>,
+    /// Also write mistakes in the model and the properties in SARIF.
+    #[arg(long, value_name = "FILE")]
+    pub sarif: Option<PathBuf>,
     /// How the answers are printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: CheckFormat,

@@ -201,6 +201,9 @@ pub struct Requirements {
     /// Where recordings have the signals, instead of the study's topics.toml.
     #[arg(long, value_name = "FILE")]
     pub map: Option<PathBuf>,
+    /// Also write forms that drifted apart, and mistakes in the study's files, in SARIF.
+    #[arg(long, value_name = "FILE")]
+    pub sarif: Option<PathBuf>,
     /// How the requirements are printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,

@@ -5,11 +5,12 @@ mod print;
 use super::{Done, Host, json};
 use crate::args::{Check, CheckFormat, Termination, refused};
 use crate::memory::Memory;
+use crate::written;
 use corroborate::Ended;
 use diagnostic::Problem;
 use prism_lang::Experiment;
 use prism_lang::ast::ModelType;
-use query::{CheckRequest, Exports, ModelInput, PropertyInput};
+use query::{CheckRequest, Checked, Exports, ModelInput, PropertyInput};
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
@@ -24,7 +25,9 @@ pub fn check(arguments: &Check, setting: &Host) -> Result<Done, Problem> {
         ..setting.clone()
     };
     let print = |bytes: &[u8]| std::io::stdout().write_all(bytes);
-    let found = corroborate::check(&request, &host, &print)?;
+    let found = corroborate::check(&request, &host, &print);
+    keep_mistakes(arguments, &found)?;
+    let found = found?;
     let is_for_lines = arguments.format == CheckFormat::Jsonl;
     let report = match found.problem {
         Some(problem) if !found.report.is_built() && !is_for_lines => return Err(problem),
@@ -51,6 +54,16 @@ pub fn check(arguments: &Check, setting: &Host) -> Result<Done, Problem> {
         output,
         outcome: report.outcome(),
     })
+}
+
+/// Writes mistakes in the model and the properties in SARIF, if that was asked for.
+fn keep_mistakes(arguments: &Check, found: &Result<Checked, Problem>) -> Result<(), Problem> {
+    let mistakes = match found {
+        Ok(found) => found.problem.as_ref(),
+        Err(problem) => Some(problem),
+    };
+    let alerts = mistakes.map(written::of_problem).unwrap_or_default();
+    written::keep_sarif(arguments.sarif.as_deref(), &alerts)
 }
 
 /// What the arguments ask.

@@ -2,6 +2,7 @@
 
 use super::{Done, Host, json};
 use crate::args::{Format, Plan};
+use crate::written;
 use corroborate::Outcome;
 use corroborate::{Freshness, PlannedEvidence, RunPlan, RunRequest};
 use diagnostic::{Problem, counted};
@@ -14,7 +15,10 @@ pub fn plan(arguments: &Plan, setting: &Host) -> Result<Done, Problem> {
         out: arguments.out.clone(),
         only: arguments.only.clone(),
     };
-    let plan = corroborate::plan(&request, setting)?;
+    let plan = corroborate::plan(&request, setting);
+    let mistakes = plan.as_ref().err().map(written::of_problem);
+    written::keep_sarif(arguments.sarif.as_deref(), &mistakes.unwrap_or_default())?;
+    let plan = plan?;
     Ok(Done {
         output: match arguments.format {
             Format::Json => json(&plan)?,

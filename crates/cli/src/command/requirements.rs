@@ -6,6 +6,7 @@ mod library;
 
 use super::{Done, Host, json};
 use crate::args::{Format, Requirements};
+use crate::written;
 use corroborate::requirements::{RequirementForms, RequirementsReport};
 use corroborate::{Ended, Outcome, RequirementsRequest};
 use diagnostic::{Problem, counted};
@@ -29,7 +30,13 @@ pub fn requirements(arguments: &Requirements, setting: &Host) -> Result<Done, Pr
         recordings: arguments.recordings.clone(),
         map: arguments.map.clone(),
     };
-    let report = corroborate::requirements(&request, setting)?;
+    let report = corroborate::requirements(&request, setting);
+    let found = match &report {
+        Ok(report) => written::of_drift(&report.drift),
+        Err(problem) => written::of_problem(problem),
+    };
+    written::keep_sarif(arguments.sarif.as_deref(), &found)?;
+    let report = report?;
     Ok(Done {
         outcome: report.outcome(),
         output: match arguments.format {

@@ -4,6 +4,7 @@
 use super::{Done, Host, json, use_threads};
 use crate::args::{Format, Run};
 use crate::terminal::{terminal_width, use_colour};
+use crate::written;
 use corroborate::results::REPORT;
 use corroborate::{Ended, EvidenceReport, Outcome, RunReport, RunRequest, run_with_page};
 use diagnostic::Problem;
@@ -18,9 +19,16 @@ pub fn run(arguments: &Run, setting: &Host) -> Result<Done, Problem> {
         out: arguments.out.clone(),
         only: arguments.only.clone(),
     };
-    match run_with_page(&request, setting, &report::html)? {
-        RunReport::Only(pieces) => only_some(&pieces, arguments.format),
-        RunReport::Study(result) => whole(&result, &request, arguments.format),
+    match run_with_page(&request, setting, &report::html) {
+        Err(problem) => {
+            written::keep(&arguments.written, &arguments.study, Err(&problem))?;
+            Err(problem)
+        }
+        Ok(RunReport::Only(pieces)) => only_some(&pieces, arguments.format),
+        Ok(RunReport::Study(result)) => {
+            written::keep(&arguments.written, &arguments.study, Ok(&result))?;
+            whole(&result, &request, arguments.format)
+        }
     }
 }
 

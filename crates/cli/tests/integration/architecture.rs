@@ -169,7 +169,7 @@ const CRATES: [(&str, u8, &[&str]); 27] = [
 ];
 
 /// Things of the outside world, each with the one crate that may name it.
-const OUTSIDE: [(&str, &str); 12] = [
+const OUTSIDE: [(&str, &str); 14] = [
     ("libloading", "testbench"),
     ("rapier3d-f64", "testbench"),
     ("mcap", "recording"),
@@ -177,6 +177,8 @@ const OUTSIDE: [(&str, &str); 12] = [
     ("rustdds", "live"),
     ("tungstenite", "live"),
     ("clap", "cli"),
+    ("clap_complete", "cli"),
+    ("clap_mangen", "cli"),
     ("annotate-snippets", "cli"),
     ("indicatif", "cli"),
     ("ctrlc", "cli"),

@@ -32,6 +32,7 @@ pub use failing::{is_of_physics, kind_of, words_of};
 pub use left::judge_left;
 pub use mishaps::Mishaps;
 pub use online::OnLine;
+pub(crate) use ordered::in_order;
 pub use recount::{form_verdicts, records_judged_by, recount};
 pub use tally::{Intervals, Tally, anytime, monitors};
 pub use until::{Until, parse as parse_until};

@@ -6,6 +6,7 @@
 //!   `R` in a column of codes.
 //! * *requirements* has the columns requirement, covered, passed, failed.
 //! * *failure modes* has the columns mode, occurrences, opportunities.
+//! * JUnit XML of runs, whose test cases are trials (`junit.rs`).
 //!
 //! Where two tables speak of the same count, they must agree. What is counted only in all, beside a cohort,
 //! was done by the same people: it is worth as many independent trials as they tell.
@@ -13,6 +14,7 @@
 mod alike;
 mod by_subject;
 pub mod groups;
+mod junit;
 mod placed;
 pub mod renamed;
 pub mod repeated;
@@ -43,6 +45,8 @@ pub struct Tables {
     cohort: Option<Cohort>,
     requirements: Vec<VerdictRow>,
     failure_modes: Vec<ModeRow>,
+    /// Counts of JUnit XML, with those that a row of a table does not have: trials whose harness broke, and those to which no case applied.
+    of_runs: Vec<junit::Counted>,
     /// Why the one subject of the cohort stands for all, where the study declares it.
     one_for_all: Option<String>,
 }
@@ -83,7 +87,8 @@ impl Tables {
             reader.bytes(AssetRole::Data, path)?;
             Table::read(&study.folder.join(path)).map_err(table_problem)
         };
-        let tables = Self {
+        let mut tables = Self {
+            of_runs: Vec::new(),
             cohort: match files.cohort {
                 Some(path) => Some(Cohort::new(study, open(path)?)?),
                 None => None,
@@ -98,6 +103,9 @@ impl Tables {
             },
             one_for_all: files.one_for_all.map(str::to_owned),
         };
+        if let Some(path) = files.junit {
+            tables.add_junit(junit::read(study, path, files.tests, reader)?)?;
+        }
         tables.check_agreement(study)?;
         tables.check_is_one()?;
         Ok(tables)
@@ -117,16 +125,20 @@ impl Tables {
             .transpose()?;
         let mut findings = Vec::new();
         for form in &study.forms.subjects {
-            findings.push(Finding {
+            let finding = Finding {
                 subject: form.subject.clone(),
                 measure: self.measure(study, form, alike.as_mut())?,
                 denominator: self.denominator(form),
                 trigger: self.trigger(study, &form.subject)?,
-                undecided: 0,
+                undecided: self.of_junit(&form.subject).map_or(0, |it| it.unknown),
                 completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
-            });
+            };
+            let level = confidence(study.about.confidence)?;
+            let counted = |sample| evidence::Measure::of_counts(sample, None, level);
+            let finding = finding.counting_undecided(level, &counted);
+            findings.push(finding.map_err(|error| Problem::new("bad-counts", error.to_string()))?);
         }
         let clusters = match (&self.cohort, alike) {
             (Some(cohort), Some(alike)) => cohort.tests(study, alike)?,
@@ -156,6 +168,33 @@ impl Tables {
                 ..Cost::default()
             },
         })
+    }
+
+    /// Each requirement that JUnit XML counts is a row like one of a table.
+    fn add_junit(&mut self, counted: Vec<junit::Counted>) -> Result<(), Problem> {
+        for one in &counted {
+            let id = &one.requirement;
+            if self.requirements.iter().any(|row| &row.requirement == id) {
+                let message =
+                    format!("requirement {id} is counted by a table and by JUnit XML, too");
+                return Err(Problem::new("tables-disagree", message)
+                    .remedy("leave one of them out, or make them two entries of the ledger"));
+            }
+            self.requirements.push(VerdictRow {
+                requirement: id.clone(),
+                covered: one.passed + one.failed,
+                passed: one.passed,
+            });
+        }
+        self.of_runs = counted;
+        Ok(())
+    }
+
+    fn of_junit(&self, subject: &Subject) -> Option<&junit::Counted> {
+        let Subject::Requirement(id) = subject else {
+            return None;
+        };
+        self.of_runs.iter().find(|it| &it.requirement == id)
     }
 
     fn measure(
@@ -227,6 +266,13 @@ impl Tables {
     /// may have none in an attempt.
     fn denominator(&self, form: &SubjectForm) -> Denominator {
         let subject = &form.subject;
+        // Runs of different tests are not the same runs.
+        if let Some(counted) = self.of_junit(subject) {
+            return match counted.skipped {
+                0 => Denominator::Covered,
+                _ => Denominator::Triggered,
+            };
+        }
         let covered = self.requirements.iter().map(|row| row.covered).max();
         let opportunities = self.failure_modes.iter().map(|row| row.opportunities).max();
         let most = covered.or(opportunities);
@@ -340,6 +386,9 @@ impl Tables {
         }
         for row in &self.failure_modes {
             inputs.add_json(&row.mode, &(row.occurrences, row.opportunities));
+        }
+        for one in &self.of_runs {
+            inputs.add_json(&one.requirement, &("junit", one.unknown, one.skipped));
         }
         // An entry without it has the inputs that it had before there was the key.
         if let Some(because) = &self.one_for_all {

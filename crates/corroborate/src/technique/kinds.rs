@@ -237,6 +237,8 @@ pub(crate) fn technique_of<'t>(
             requirements,
             failure_modes,
             one_for_all,
+            junit,
+            tests,
         } => Box::new(tables::ReadTables {
             technique: *technique,
             files: study::TableFiles {
@@ -244,6 +246,8 @@ pub(crate) fn technique_of<'t>(
                 requirements: requirements.as_deref(),
                 failure_modes: failure_modes.as_deref(),
                 one_for_all: one_for_all.as_deref(),
+                junit: junit.as_deref(),
+                tests,
             },
         }),
         Work::Judge {

@@ -2,6 +2,7 @@
 
 mod assurance;
 mod fixture;
+mod junit;
 mod markup;
 mod page;
 mod preview;

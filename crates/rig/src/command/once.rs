@@ -3,20 +3,21 @@
 use diagnostic::Problem;
 use host::Cancel;
 use std::fs::File;
+use std::io::Read;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 /// How often a running command is looked at.
-pub(super) const LOOK: Duration = Duration::from_millis(5);
+pub(crate) const LOOK: Duration = Duration::from_millis(5);
 /// How long a command has to end by itself once it is asked to.
 const GRACE: Duration = Duration::from_secs(2);
 /// How many of the last lines that a failed command said are shown.
 const SHOWN_LINES: usize = 12;
 
 /// Starts a command in `folder`; what it prints goes to the file `said`.
-pub(super) fn start(words: &[String], folder: &Path, said: &Path) -> Result<Running, Problem> {
+pub(crate) fn start(words: &[String], folder: &Path, said: &Path) -> Result<Running, Problem> {
     let unwritable = |error: std::io::Error| Problem::cannot_write(said, &error);
     let output = File::create(said).map_err(unwritable)?;
     let errors = output.try_clone().map_err(unwritable)?;
@@ -35,7 +36,7 @@ pub(super) fn start(words: &[String], folder: &Path, said: &Path) -> Result<Runn
 }
 
 /// The command is no program that can be started.
-pub(super) fn cannot_start(program: &str, error: &str) -> Problem {
+pub(crate) fn cannot_start(program: &str, error: &str) -> Problem {
     Problem::new(
         "episode-failed",
         format!("`{program}` cannot be started: {error}"),
@@ -43,8 +44,30 @@ pub(super) fn cannot_start(program: &str, error: &str) -> Problem {
     .remedy("check `command` in the ledger; it runs in the study's folder")
 }
 
+/// The first line that a process has printed that was started with a pipe for its output, if it ends well within `limit`. It may
+/// print no more than a pipe holds.
+pub(crate) fn output_of(
+    mut child: Child,
+    limit: Duration,
+    interrupt: &Cancel,
+) -> Result<String, String> {
+    let out = child.stdout.take();
+    let ended = Running(child).wait(limit, interrupt);
+    match ended {
+        Ok(Some(status)) if status.success() => {
+            let mut text = String::new();
+            let read = out.map(|mut it| it.read_to_string(&mut text)).transpose();
+            read.map_err(|error| error.to_string())?;
+            Ok(text.lines().next().unwrap_or_default().to_owned())
+        }
+        Ok(Some(status)) => Err(status.to_string()),
+        Ok(None) => Err(format!("it did not end within {} s", limit.as_secs())),
+        Err(problem) => Err(problem.line()),
+    }
+}
+
 /// What a command said last.
-pub(super) fn last_words(said: &Path) -> String {
+pub(crate) fn last_words(said: &Path) -> String {
     let text = std::fs::read(said).unwrap_or_default();
     let text = String::from_utf8_lossy(&text);
     let lines: Vec<&str> = text.lines().collect();
@@ -56,11 +79,11 @@ pub(super) fn last_words(said: &Path) -> String {
 }
 
 /// A process that is ended, with those that it started, if it is no longer waited for.
-pub(super) struct Running(Child);
+pub(crate) struct Running(Child);
 
 impl Running {
     /// How it ended; `None` if it did not within `limit`.
-    pub(super) fn wait(
+    pub(crate) fn wait(
         mut self,
         limit: Duration,
         interrupt: &Cancel,

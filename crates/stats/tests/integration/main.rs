@@ -3,6 +3,7 @@
 mod calibration;
 mod cluster_coverage;
 mod copies;
+mod deciding;
 mod exhaustive_size;
 mod extremes;
 mod handover_figures;

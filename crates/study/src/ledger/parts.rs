@@ -5,6 +5,7 @@
 
 use super::{CommandText, Work};
 use evidence::Technique;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What a piece of work has.
@@ -41,10 +42,14 @@ pub struct TableFiles<'w> {
     pub failure_modes: Option<&'w Path>,
     /// Why the one subject of a cohort stands for all, where the study declares it.
     pub one_for_all: Option<&'w str>,
+    /// JUnit XML of runs: a folder or a file, which is no table by itself.
+    pub junit: Option<&'w Path>,
+    /// By requirement the test that verifies it.
+    pub tests: &'w BTreeMap<String, String>,
 }
 
 impl<'w> TableFiles<'w> {
-    /// Those that there are.
+    /// The tables that there are.
     pub fn paths(self) -> impl Iterator<Item = &'w Path> {
         let all = [self.cohort, self.requirements, self.failure_modes];
         all.into_iter().flatten()
@@ -209,6 +214,8 @@ impl Work {
                 requirements,
                 failure_modes,
                 one_for_all,
+                junit,
+                tests,
             } => Parts {
                 technique: *technique,
                 model: None,
@@ -220,6 +227,8 @@ impl Work {
                     requirements: requirements.as_deref(),
                     failure_modes: failure_modes.as_deref(),
                     one_for_all: one_for_all.as_deref(),
+                    junit: junit.as_deref(),
+                    tests,
                 }),
                 recordings: None,
                 uses_topics: false,

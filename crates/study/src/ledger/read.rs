@@ -156,6 +156,13 @@ pub(super) struct TablesText {
     /// Why the one person or session of a cohort stands for all: without it, trials of one alone decide nothing of others.
     #[schemars(with = "Option<String>")]
     pub(super) one_for_all: Option<Spanned<String>>,
+    /// A folder of JUnit XML, or one file: each run's test cases are trials of the requirements that their property `verifies` names.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) junit: Option<Spanned<PathBuf>>,
+    /// By requirement the test that verifies it, where test cases of `junit` do not say so.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, String>")]
+    pub(super) tests: BTreeMap<String, Spanned<String>>,
 }
 
 /// A value that only the technique that takes it knows.

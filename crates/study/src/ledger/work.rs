@@ -4,6 +4,8 @@ use super::read::{EntryText, Reader, TablesText};
 use super::{CommandText, Method, Sampling, TreeEvent, Work};
 use crate::placed::toml_place;
 use diagnostic::{Problem, Problems};
+use evidence::Subject;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
 use toml::Spanned;
@@ -523,13 +525,18 @@ impl Reader<'_> {
         let span = tables.span();
         let tables = tables.get_ref();
         let mut found = Problems::new();
-        let given = [&tables.cohort, &tables.requirements, &tables.failure_modes];
+        let given = [
+            &tables.cohort,
+            &tables.requirements,
+            &tables.failure_modes,
+            &tables.junit,
+        ];
         if given.iter().all(|path| path.is_none()) {
             return Err(self.problem(
                 "missing-entry",
                 "`tables` is empty".into(),
                 span,
-                "add `cohort`, `requirements` or `failure_modes`",
+                "add `cohort`, `requirements`, `failure_modes` or `junit`",
             ));
         }
         let one_for_all = found.keep(self.declared_for_all(tables)).flatten();
@@ -539,13 +546,48 @@ impl Reader<'_> {
         };
         let (cohort, requirements) = (file(&tables.cohort), file(&tables.requirements));
         let failure_modes = file(&tables.failure_modes);
+        // A folder of runs, or one file.
+        let junit = tables.junit.as_ref().and_then(|path| {
+            match self.folder.join(path.get_ref()).is_dir() {
+                true => Some(path.get_ref().clone()),
+                false => found.keep(self.existing(path)),
+            }
+        });
+        let tests = found.keep(self.tests(tables)).unwrap_or_default();
         found.or(Work::Read {
             technique,
             one_for_all,
             cohort,
             requirements,
             failure_modes,
+            junit,
+            tests,
         })
+    }
+
+    /// By requirement the test that verifies it.
+    fn tests(&self, tables: &TablesText) -> Result<BTreeMap<String, String>, Problem> {
+        if let (Some((_, first)), None) = (tables.tests.first_key_value(), &tables.junit) {
+            return Err(self.problem(
+                "missing-entry",
+                "`tables.tests` names tests, and there is no `tables.junit`".into(),
+                first.span(),
+                "add `junit = ` with the folder of their results, or leave `tests` out",
+            ));
+        }
+        let mut read = BTreeMap::new();
+        for (id, test) in &tables.tests {
+            let Subject::Requirement(id) = self.subject(id, test)? else {
+                return Err(self.problem(
+                    "unknown-subject",
+                    format!("`{id}` is a failure mode, and a test verifies a requirement"),
+                    test.span(),
+                    "name the requirement",
+                ));
+            };
+            read.insert(id, test.get_ref().clone());
+        }
+        Ok(read)
     }
 
     /// A declaration with its reason in words.

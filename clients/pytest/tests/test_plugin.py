@@ -1,0 +1,126 @@
+"""Marked tests as a user runs them, alone and by several workers. Needs the program; without it these tests are skipped."""
+
+import csv
+import os
+import shutil
+from xml.etree import ElementTree
+
+import pytest
+
+pytest_plugins = ["pytester"]
+
+TESTS = """
+import pytest
+import pytest_corroborate as corroborate
+
+opened = []
+
+@pytest.fixture(scope="module")
+def world():
+    opened.append("world")
+
+@pytest.fixture
+def robot(world, seed):
+    if seed % 200 == 3:
+        raise RuntimeError("no simulator")
+    return seed
+
+@corroborate.requirement("REQ-7", margin=0.02)
+def test_good(robot):
+    assert robot % 100 != 0
+
+@corroborate.requirement("REQ-8", margin=0.02)
+def test_bad(seed):
+    assert seed % 10 < 6
+
+@corroborate.requirement("REQ-9", at_least=0.6, max_trials=40)
+def test_open(seed):
+    if seed % 50 == 1:
+        pytest.skip("not today")
+    assert seed % 10 < 6
+
+def test_plain():
+    assert opened.count("world") <= 1
+"""
+
+
+@pytest.fixture
+def run(pytester):
+    found = os.environ.get("CORROBORATE") or shutil.which("corroborate")
+    if not found:
+        pytest.skip("the program `corroborate` is not here")
+    pytester.makepyfile(test_robot=TESTS)
+    return lambda *words: pytester.runpytest_subprocess("--corroborate-program", found, *words)
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        return list(csv.reader(file))
+
+
+def expected(seed):
+    return "error" if seed % 200 == 3 else "fail" if seed % 100 == 0 else "pass"
+
+
+def test_each_test_is_decided_once_and_its_trials_are_kept(run, pytester):
+    result = run("--corroborate-out", "out", "--junitxml", "j.xml")
+    result.assert_outcomes(passed=2, failed=2)
+    result.stdout.fnmatch_lines(["*REQ-7: passed*", "*REQ-8: failed*", "*REQ-9: undecided*"])
+    trials = rows(pytester.path / "out/test_robot.py-test_good/trials.csv")[1:]
+    assert len(trials) > 40
+    assert all(outcome == expected(int(seed)) for _, seed, outcome in trials)
+    table = rows(pytester.path / "out/requirements.csv")
+    assert table[0] == ["requirement", "covered", "passed", "failed"]
+    assert sorted(row[0] for row in table[1:]) == ["REQ-7", "REQ-8", "REQ-9"]
+    cases = ElementTree.parse(pytester.path / "j.xml").iter("testcase")
+    verified = {}
+    for case in cases:
+        properties = {it.get("name"): it.get("value") for it in case.iter("property")}
+        if "verifies" in properties:
+            verified[properties["verifies"]] = properties["outcome"]
+            assert properties["guarantee"] and properties["interval"]
+    assert verified == {"REQ-7": "passed", "REQ-8": "failed", "REQ-9": "undecided"}
+
+
+def test_workers_share_trials_and_come_to_the_same_answer(run, pytester):
+    pytest.importorskip("xdist")
+    run("--corroborate-out", "one")
+    result = run("--corroborate-out", "many", "-n", "3")
+    result.assert_outcomes(passed=2, failed=2)
+    for name in ("test_good", "test_bad", "test_open"):
+        path = "test_robot.py-{}/trials.csv".format(name)
+        assert rows(pytester.path / "one" / path) == rows(pytester.path / "many" / path)
+
+
+def test_a_failing_seed_runs_again_as_a_plain_test(run, pytester):
+    run("--corroborate-out", "out")
+    trials = rows(pytester.path / "out/test_robot.py-test_bad/trials.csv")[1:]
+    failing = next(seed for _, seed, outcome in trials if outcome == "fail")
+    passing = next(seed for _, seed, outcome in trials if outcome == "pass")
+    one = ("test_robot.py::test_bad", "--corroborate-seed")
+    run(*one, failing).assert_outcomes(failed=1)
+    run(*one, passing).assert_outcomes(passed=1)
+
+
+def test_undecided_may_be_skipped(run):
+    result = run("-k", "test_open", "--corroborate-undecided", "skip")
+    result.assert_outcomes(skipped=1)
+
+
+def test_a_rule_that_decides_nothing_is_refused(run, pytester):
+    pytester.makepyfile(
+        test_wrong="""
+import pytest_corroborate as corroborate
+
+@corroborate.requirement("A", at_least=0.99, margin=0.02)
+def test_margin(seed):
+    pass
+
+@corroborate.requirement("B")
+def test_no_seed():
+    pass
+"""
+    )
+    result = run("test_wrong.py")
+    result.assert_outcomes(failed=2)
+    result.stdout.fnmatch_lines(["*bad-rule*", "*takes `seed`*"])
