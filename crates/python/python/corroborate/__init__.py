@@ -1,0 +1,46 @@
+"""Corroborate: the same requirements of a robot asked of models, simulations and experiments, and whether the answers agree.
+
+==================  =====================================================
+:class:`Model`      models of the PRISM language, built and checked
+:mod:`stats`        statistics of counted trials
+:class:`Problem`    the one exception for wrong input
+==================  =====================================================
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from ._problem import InternalError, Problem
+
+if TYPE_CHECKING:
+    from . import stats
+    from ._answers import Answer
+    from ._models import Model, Scheduler
+    from ._space import StateSpace
+
+# Each is loaded when it is first used: importing the package takes a few milliseconds.
+_HOMES = {
+    "Answer": "_answers",
+    "Model": "_models",
+    "Scheduler": "_models",
+    "StateSpace": "_space",
+    "stats": "stats",
+}
+
+__all__ = ["InternalError", "Problem", *_HOMES]
+
+
+def __getattr__(name: str) -> Any:
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = importlib.import_module(f".{home}", __name__)
+    value = module if home == name else getattr(module, name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,44 @@
+#![doc = include_str!("../README.md")]
+//!
+//! The functions here are thin: they take numbers, texts and arrays, call the library, and give numbers, dictionaries and
+//! arrays. What a user sees, with its documentation and its checks of types, is the package in `python/corroborate/`.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `problem.rs` | how a problem, and a panic, becomes an exception |
+//! | `work.rs` | long work: without the interpreter's lock, ended by Ctrl-C, with events for a callback |
+//! | `numbers.rs` | statistics |
+//! | `models.rs`, `space.rs` | models checked; their states as arrays |
+
+mod models;
+mod numbers;
+mod problem;
+mod space;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The native half of the package `corroborate`; use the package.
+#[pymodule]
+mod _engine {
+    use super::*;
+
+    #[pymodule_export]
+    use super::models::Model;
+    #[pymodule_export]
+    use super::numbers::statistics;
+    #[pymodule_export]
+    use super::space::StateSpace;
+
+    /// Which build of the engine this is: the same for the same sources.
+    #[pyfunction]
+    fn build() -> String {
+        corroborate::build().as_str().to_owned()
+    }
+
+    /// Panics on purpose, for the test of what becomes of a mistake of ours.
+    #[pyfunction]
+    fn _panic() -> PyResult<()> {
+        crate::problem::guarded(|| panic!("asked for"))
+    }
+}
