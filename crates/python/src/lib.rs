@@ -8,11 +8,16 @@
 //! | `problem.rs` | how a problem, and a panic, becomes an exception |
 //! | `work.rs` | long work: without the interpreter's lock, ended by Ctrl-C, with events for a callback |
 //! | `numbers.rs` | statistics |
+//! | `formulas.rs`, `signals.rs` | formulas over arrays, read in place, and over streams |
+//! | `recordings.rs` | recordings judged |
 //! | `models.rs`, `space.rs` | models checked; their states as arrays |
 
+mod formulas;
 mod models;
 mod numbers;
 mod problem;
+mod recordings;
+mod signals;
 mod space;
 mod work;
 
@@ -24,11 +29,16 @@ mod _engine {
     use super::*;
 
     #[pymodule_export]
+    use super::formulas::{Formula, Monitor};
+    #[pymodule_export]
     use super::models::Model;
     #[pymodule_export]
     use super::numbers::statistics;
     #[pymodule_export]
     use super::space::StateSpace;
+
+    #[pymodule_export]
+    use super::recordings::monitor_recordings;
 
     /// Which build of the engine this is: the same for the same sources.
     #[pyfunction]

@@ -11,6 +11,10 @@ use pyo3::prelude::*;
 type Counts = (u64, u64);
 /// The two ends of an interval.
 type Ends = (f64, f64);
+/// Counts, clusters, method, interval, and what the counts are worth in independent trials.
+type Clustered = (Counts, usize, &'static str, Ends, (f64, f64));
+/// Q with degrees of freedom and p-value; I squared and tau squared; the pooled rate with its interval.
+type Scattered = ((f64, usize, f64), (f64, f64), (f64, Ends));
 
 fn wrong(error: StatsError) -> PyErr {
     raised_input(
@@ -160,10 +164,7 @@ pub(crate) mod statistics {
 
     /// The rate, interval, method and effective counts of clusters, and how alike their trials are.
     #[pyfunction]
-    fn clustered_rate(
-        clusters: Vec<Counts>,
-        confidence: f64,
-    ) -> PyResult<(Counts, usize, &'static str, Ends, (f64, f64))> {
+    fn clustered_rate(clusters: Vec<Counts>, confidence: f64) -> PyResult<Clustered> {
         let (clusters, level) = (samples(&clusters)?, level(confidence)?);
         let found = guarded(|| ::stats::clustered_rate(&clusters, level).map_err(wrong))?;
         let name = match found.method {
@@ -273,10 +274,7 @@ pub(crate) mod statistics {
 
     /// Q, degrees of freedom, p-value, I squared, tau squared, and the pooled rate with its interval.
     #[pyfunction]
-    fn heterogeneity(
-        counts: Vec<Counts>,
-        confidence: f64,
-    ) -> PyResult<((f64, usize, f64), (f64, f64), (f64, Ends))> {
+    fn heterogeneity(counts: Vec<Counts>, confidence: f64) -> PyResult<Scattered> {
         let (counts, level) = (samples(&counts)?, level(confidence)?);
         let found = guarded(|| ::stats::heterogeneity(&counts).map_err(wrong))?;
         let pooled = (found.random.rate(), ends(found.random.interval(level)));

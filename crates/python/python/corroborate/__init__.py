@@ -2,6 +2,8 @@
 
 ==================  =====================================================
 :class:`Model`      models of the PRISM language, built and checked
+:class:`Formula`    temporal logic over arrays, data frames and streams
+:func:`monitor`     recordings judged by formulas or a study's monitors
 :mod:`stats`        statistics of counted trials
 :class:`Problem`    the one exception for wrong input
 ==================  =====================================================
@@ -17,15 +19,20 @@ from ._problem import InternalError, Problem
 if TYPE_CHECKING:
     from . import stats
     from ._answers import Answer
+    from ._formulas import Formula, Monitor, Verdict, monitor
     from ._models import Model, Scheduler
     from ._space import StateSpace
 
 # Each is loaded when it is first used: importing the package takes a few milliseconds.
 _HOMES = {
     "Answer": "_answers",
+    "Formula": "_formulas",
     "Model": "_models",
+    "Monitor": "_formulas",
     "Scheduler": "_models",
     "StateSpace": "_space",
+    "Verdict": "_formulas",
+    "monitor": "_formulas",
     "stats": "stats",
 }
 
