@@ -10,6 +10,8 @@
 //! | `numbers.rs` | statistics |
 //! | `formulas.rs`, `signals.rs` | formulas over arrays, read in place, and over streams |
 //! | `recordings.rs` | recordings judged |
+//! | `studies.rs` | studies run, compared, replayed |
+//! | `table.rs`, `table/arrow.rs` | tables whose memory others take over, by Arrow's interface |
 //! | `models.rs`, `space.rs` | models checked; their states as arrays |
 
 mod formulas;
@@ -19,6 +21,8 @@ mod problem;
 mod recordings;
 mod signals;
 mod space;
+mod studies;
+mod table;
 mod work;
 
 use pyo3::prelude::*;
@@ -39,6 +43,13 @@ mod _engine {
 
     #[pymodule_export]
     use super::recordings::monitor_recordings;
+
+    #[pymodule_export]
+    use super::studies::{
+        StudyOutcome, study_compare, study_open, study_plan, study_replay, study_result, study_run,
+    };
+    #[pymodule_export]
+    use super::table::Table;
 
     /// Which build of the engine this is: the same for the same sources.
     #[pyfunction]

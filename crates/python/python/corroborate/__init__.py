@@ -4,6 +4,7 @@
 :class:`Model`      models of the PRISM language, built and checked
 :class:`Formula`    temporal logic over arrays, data frames and streams
 :func:`monitor`     recordings judged by formulas or a study's monitors
+:class:`Study`      studies run, compared, plotted, replayed
 :mod:`stats`        statistics of counted trials
 :class:`Problem`    the one exception for wrong input
 ==================  =====================================================
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from ._formulas import Formula, Monitor, Verdict, monitor
     from ._models import Model, Scheduler
     from ._space import StateSpace
+    from ._studies import Study, StudyResult
+    from ._table import Table
 
 # Each is loaded when it is first used: importing the package takes a few milliseconds.
 _HOMES = {
@@ -31,6 +34,9 @@ _HOMES = {
     "Monitor": "_formulas",
     "Scheduler": "_models",
     "StateSpace": "_space",
+    "Study": "_studies",
+    "StudyResult": "_studies",
+    "Table": "_table",
     "Verdict": "_formulas",
     "monitor": "_formulas",
     "stats": "stats",
