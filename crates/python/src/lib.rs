@@ -57,6 +57,12 @@ mod _engine {
         corroborate::build().as_str().to_owned()
     }
 
+    /// Carries out the command `corroborate` with these arguments, the program's name first; gives the exit code.
+    #[pyfunction]
+    fn command(py: Python<'_>, arguments: Vec<std::ffi::OsString>) -> PyResult<u8> {
+        py.detach(|| crate::problem::guarded(|| Ok(cli::run(arguments))))
+    }
+
     /// Panics on purpose, for the test of what becomes of a mistake of ours.
     #[pyfunction]
     fn _panic() -> PyResult<()> {
