@@ -288,7 +288,7 @@ def _judgement(found: Any) -> Judgement:
     verdict, bounds, covered, samples, decided_at, explanation = found
     if explanation is not None:
         begins, ends, parts = explanation
-        responsible = tuple(Responsible(*part[:4], tuple(part[4])) for part in parts)
+        responsible = tuple(Responsible(text, value, since, until, tuple(reads)) for text, value, since, until, reads in parts)
         explanation = Explanation(begins, ends, responsible)
     robustness = None if bounds is None else Robustness(*bounds)
     return Judgement(Verdict(verdict), robustness, covered, samples, decided_at, explanation)

@@ -45,7 +45,8 @@ class RationalFunction:
             message = f"the function has the parameters {', '.join(self.parameters)} (got {', '.join(values) or 'none'})"
             raise Problem("bad-parameters", message, remedy=f"call it with {', '.join(f'{it}=...' for it in self.parameters)}")
         exact = {name: _fraction(value) for name, value in values.items()}
-        return _evaluated(self._tree, exact)
+        value: Union[Fraction, float] = _evaluated(self._tree, exact)
+        return value
 
     @cached_property
     def _tree(self) -> ast.expr:

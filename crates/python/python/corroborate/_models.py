@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Union, overload
@@ -150,12 +150,40 @@ class Model:
         return self._model.rewards
 
     @overload
-    def check(self, property: str, /, **settings: Any) -> Answer: ...
-    @overload
-    def check(self, property: Sequence[str], /, **settings: Any) -> list[Answer]: ...
     def check(
         self,
-        property: Union[str, Sequence[str], os.PathLike[str]],
+        property: str,
+        /,
+        *,
+        constants: Constants = {},
+        method: str = "sound",
+        precision: float = 1e-6,
+        open: Mapping[str, tuple[Any, Any]] = {},
+        witness: bool = False,
+        certify: bool = False,
+        fair: bool = False,
+        max_states: Union[int, None] = None,
+        timeout: Union[float, None] = None,
+    ) -> Answer: ...
+    @overload
+    def check(
+        self,
+        property: Union[list[str], tuple[str, ...], os.PathLike[str]],
+        /,
+        *,
+        constants: Constants = {},
+        method: str = "sound",
+        precision: float = 1e-6,
+        open: Mapping[str, tuple[Any, Any]] = {},
+        witness: bool = False,
+        certify: bool = False,
+        fair: bool = False,
+        max_states: Union[int, None] = None,
+        timeout: Union[float, None] = None,
+    ) -> list[Answer]: ...
+    def check(
+        self,
+        property: Union[str, list[str], tuple[str, ...], os.PathLike[str]],
         /,
         *,
         constants: Constants = {},

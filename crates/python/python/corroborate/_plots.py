@@ -42,7 +42,7 @@ def forest_plot(result: StudyResult, ax: Union[Axes, None] = None, subject: Unio
 
 
 def _is_asked(row: dict[str, Any], subject: Union[str, None]) -> bool:
-    return row["kind"] == "requirement" if subject is None else row["subject"] == subject
+    return bool(row["kind"] == "requirement" if subject is None else row["subject"] == subject)
 
 
 def _label(row: dict[str, Any], subject: Union[str, None]) -> str:

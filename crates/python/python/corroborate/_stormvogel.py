@@ -126,14 +126,13 @@ def from_space(space: StateSpace) -> Any:
         for at in range(len(space))
     ]
     matrix, starts = space.matrix, space.choice_start
-    rows = range(len(space)) if starts is None else None
     of_row: dict[int, Any] = {}
     for at, state in enumerate(states):
         chosen = {}
-        for place, row in enumerate((rows[at],) if rows is not None else range(starts[at], starts[at + 1])):
+        for place, row in enumerate(_rows(starts, at)):
             entries = range(matrix.indptr[row], matrix.indptr[row + 1])
             branch = Branch([(matrix.data[it].item(), states[matrix.indices[it]]) for it in entries])
-            name = None if rows is not None else space.actions[row] or f"choice{place}"
+            name = None if starts is None else space.actions[row] or f"choice{place}"
             action = EmptyAction if name is None else model.action(frozenset({name}))
             if action in chosen:
                 action = model.action(frozenset({f"{name}_{place}"}))
@@ -141,6 +140,11 @@ def from_space(space: StateSpace) -> Any:
         model.set_transitions(state, Transition(chosen))
     _add_rewards(space, model, of_row)
     return model
+
+
+def _rows(starts: Any, state: int) -> range:
+    """The rows of the matrix that are a state's: its choices, or one row in a chain."""
+    return range(state, state + 1) if starts is None else range(starts[state], starts[state + 1])
 
 
 def _add_rewards(space: StateSpace, model: Any, of_row: dict[int, Any]) -> None:

@@ -101,7 +101,8 @@ class Study:
 
     @property
     def title(self) -> str:
-        return self._about["title"]
+        """As ``study.toml`` has it."""
+        return str(self._about["title"])
 
     @property
     def requirements(self) -> dict[str, Requirement]:
@@ -111,7 +112,7 @@ class Study:
     @property
     def evidence(self) -> list[str]:
         """The identifiers of the ledger's entries."""
-        return self._about["evidence"]
+        return list(self._about["evidence"])
 
     def plan(self, *, only: Sequence[str] = ()) -> list[Planned]:
         """What a run would do. Reads and checks everything, and produces nothing."""
@@ -141,11 +142,11 @@ class Study:
 
     def compare(self, *evidence: str) -> list[dict[str, Any]]:
         """The comparisons of the last run: all; of one piece of evidence; or, of several, the pairs among them."""
-        return _engine.study_compare(self._asked(evidence))["comparisons"]
+        return list(_engine.study_compare(self._asked(evidence))["comparisons"])
 
     def replay(self, episode: str, *, out: Union[PathLike, None] = None) -> Replay:
         """Runs an episode again, bit for bit: the file of a finding, or an episode of an evidence by its number (``E4:17``)."""
-        asked = {"folder": os.fspath(self.folder), "out": None if out is None else os.fspath(out), "only": []}
+        asked: dict[str, Any] = {"folder": os.fspath(self.folder), "out": None if out is None else os.fspath(out), "only": []}
         found = _engine.study_replay(asked, episode, surroundings())
         verdicts = {it["subject"]: it["verdict"] for it in found["verdicts"]}
         return Replay(found["episode"], int(found["seed"]), found["shown"], found["same_bytes"], verdicts, tuple(found["files"]))
@@ -178,7 +179,7 @@ class StudyResult:
     @property
     def confidence(self) -> float:
         """The level of all intervals."""
-        return self.data["confidence"]
+        return float(self.data["confidence"])
 
     @property
     def requirements(self) -> dict[str, Requirement]:

@@ -294,7 +294,8 @@ def clustered_rate(clusters: Sequence[Counts], *, confidence: float = 0.95) -> C
     True
     """
     total, count, method, (low, high), worth = _stats.clustered_rate(list(clusters), confidence)
-    return ClusteredRate(*total, count, low, high, confidence, method, *worth)
+    successes, trials = total
+    return ClusteredRate(successes, trials, count, low, high, confidence, method, worth[0], worth[1])
 
 
 def clustering(clusters: Sequence[Counts]) -> Clustering:
@@ -347,7 +348,8 @@ class RunningRate:
     @property
     def rate(self) -> Rate:
         """Counts and interval now."""
-        return Rate(*self._running.counts(), self.low, self.high, self._confidence, "confidence sequence")
+        successes, trials = self._running.counts()
+        return Rate(successes, trials, self.low, self.high, self._confidence, "confidence sequence")
 
 
 def decide(
@@ -459,5 +461,5 @@ def heterogeneity(counts: Sequence[Counts], *, confidence: float = 0.95) -> Hete
     >>> heterogeneity([(90, 100), (60, 100), (95, 100)]).p_value < 0.001
     True
     """
-    q, (i_squared, tau_squared), (pooled, ends) = _stats.heterogeneity(list(counts), confidence)
-    return Heterogeneity(*q, i_squared, tau_squared, pooled, *ends, confidence)
+    (q, degrees, p_value), (i_squared, tau_squared), (pooled, (low, high)) = _stats.heterogeneity(list(counts), confidence)
+    return Heterogeneity(q, degrees, p_value, i_squared, tau_squared, pooled, low, high, confidence)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _engine_stats as stats
+from . import stats as stats
 
 _Progress = Callable[[dict[str, Any]], object] | None
 _Judgement = tuple[
