@@ -7,7 +7,7 @@ use numpy::{PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use std::ops::Range;
 use temporal::formula::Parsed;
-use trace::{BoundPredicate, Field, PredicateError, SignalIndex, SignalValues, Trace, Vocabulary};
+use trace::{BoundPredicate, Field, PredicateError, PredicateErrorKind, SignalIndex, SignalValues, Trace, Vocabulary};
 
 /// The topic of columns whose names are not those of signals.
 const TOPIC: &str = "/data";
@@ -139,9 +139,15 @@ fn bad_predicate(
         Some(_) => atom.clone(),
     };
     let names: Vec<&str> = declared.iter().map(|(name, ..)| name.as_str()).collect();
+    let remedy = match &error.kind {
+        // A column may be called as a function is, or have odd letters.
+        PredicateErrorKind::UnknownName { name, .. } if names.contains(&name.as_str()) => {
+            format!("`{name}` is a word of the language: write {TOPIC}.{name} for the column")
+        }
+        _ => format!("the signals are {}", names.join(", ")),
+    };
     let problem = Problem::new("bad-predicate", error.kind.to_string());
-    let problem = problem.at(&Source::new(FORMULA, text), span);
-    raised(problem.remedy(format!("the signals are {}", names.join(", "))))
+    raised(problem.at(&Source::new(FORMULA, text), span).remedy(remedy))
 }
 
 /// Numbers, or truth values.

@@ -95,6 +95,16 @@ def test_pandas_has_it(result):
     assert frame.loc[frame.evidence == "E2", "trials"].iloc[0] == 100
 
 
+def test_evidence_is_produced_by_itself(folder, tmp_path):
+    (model,) = Study(folder, out=tmp_path / "some").produce("E1")
+    assert model.id == "E1" and model.headline and model.data["technique"] == "model-checking"
+    with pytest.raises(corroborate.Problem):
+        Study(folder, out=tmp_path / "some").produce()
+    with pytest.raises(corroborate.Problem) as caught:
+        Study(folder, out=tmp_path / "some").result()
+    assert caught.value.code == "not-run"
+
+
 def test_comparisons(folder, result):
     rows = [row for row in result.comparisons.rows() if row["subject"] == "1"]
     assert [(row["left"], row["right"], row["outcome"]) for row in rows] == [("E1", "E2", "corroborates")]
@@ -151,7 +161,7 @@ INTERRUPTED = """
             begun.append(event)
             os.kill(os.getpid(), signal.SIGINT)
     try:
-        study.run(only=["E2"], progress=progress)
+        study.produce("E2", progress=progress)
         print("finished")
     except KeyboardInterrupt:
         print("interrupted", len(begun))

@@ -17,7 +17,7 @@ from ._table import Table
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Conclusion", "Planned", "Replay", "Requirement", "Study", "StudyResult"]
+__all__ = ["Conclusion", "Planned", "Produced", "Replay", "Requirement", "Study", "StudyResult"]
 
 PathLike = Union[str, os.PathLike[str]]
 Progress = Union[Callable[[dict[str, Any]], object], None]
@@ -52,6 +52,17 @@ class Planned:
     """What is known besides: ``files``, ``evidence`` or ``reason``."""
     last_took_secs: Union[float, None]
     """How long it took when it was last produced."""
+
+
+@dataclass(frozen=True)
+class Produced:
+    """A piece of evidence that was produced by itself."""
+
+    id: str
+    headline: str
+    """Its main figure in words."""
+    data: Mapping[str, Any]
+    """All of it, as ``study.json`` has evidence."""
 
 
 @dataclass(frozen=True)
@@ -119,18 +130,22 @@ class Study:
         plan = _engine.study_plan(self._asked(only), surroundings())
         return [_planned(it) for it in plan["evidence"]]
 
-    def run(self, *, only: Sequence[str] = (), progress: Progress = None) -> StudyResult:
+    def run(self, *, progress: Progress = None) -> StudyResult:
         """Produces what is missing or stale, compares, concludes; writes ``study.json`` and ``report.html``. Ctrl-C ends it; what was
         finished is kept, and the next run goes on there.
 
         Args:
-            only: produces only the evidence with these identifiers, and gives the result of the last whole run. (Nothing is
-                compared anew.)
             progress: called with each event, a dictionary: ``{"event": "started", "stage": 0, "title": ..., "total": ...}``,
                 ``advanced`` (with ``done`` and ``left_secs``), ``finished``, ``note``. What it raises ends the run.
         """
-        found = _engine.study_run(self._asked(only), surroundings(), progress)
-        return self.result() if only else StudyResult(found, self.out)
+        return StudyResult(_engine.study_run(self._asked(()), surroundings(), progress), self.out)
+
+    def produce(self, *evidence: str, progress: Progress = None) -> list[Produced]:
+        """Produces only the evidence with these identifiers, and compares nothing. What is fresh is taken as it was kept."""
+        if not evidence:
+            raise Problem("unknown-evidence", "no evidence is named", remedy=f"the ledger has {', '.join(self.evidence)}")
+        found = _engine.study_run(self._asked(evidence), surroundings(), progress)
+        return [Produced(it["evidence"]["id"], it["headline"], it["evidence"]) for it in found]
 
     def result(self) -> StudyResult:
         """The result of the last run.
