@@ -6,7 +6,7 @@ use diagnostic::{Problem, Source};
 use numpy::{PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use temporal::formula::{
     self, Ending, FormulaJudge, FormulaMonitor, FormulaReport, Interpolation, Settings, Verdict,
 };
@@ -17,6 +17,14 @@ pub(crate) struct Formula {
     text: String,
     parsed: formula::Parsed,
     monitor: FormulaMonitor,
+    /// The layout of the last call: mostly that of the next one, and dearer than judging a few samples.
+    last: Mutex<Option<Arc<Bound>>>,
+}
+
+/// Signals as they were declared, and the atoms over them.
+struct Bound {
+    declared: Vec<Declared>,
+    layout: Layout,
 }
 
 /// Least and greatest robustness.
@@ -69,6 +77,7 @@ impl Formula {
                 text,
                 parsed,
                 monitor,
+                last: Mutex::new(None),
             })
         })
     }
@@ -105,12 +114,13 @@ impl Formula {
                 "give each time one value, NaN where it is missing",
             ));
         }
-        let layout = guarded(|| Layout::new(&self.text, &self.parsed, &declared))?;
+        let bound = guarded(|| self.bound(declared))?;
+        let layout = &bound.layout;
         let times = times.as_array();
-        let row = Row::new(&layout, &columns);
+        let row = Row::new(layout, &columns);
         let report =
             py.detach(|| guarded(|| judged(&self.monitor, times.iter().copied(), row, complete)))?;
-        Ok(self.found(&layout, report))
+        Ok(self.found(layout, report))
     }
 
     /// Begins to judge a stream of these signals.
@@ -157,6 +167,18 @@ fn bad_time(error: &formula::StepError) -> PyErr {
 }
 
 impl Formula {
+    /// The atoms over these signals.
+    fn bound(&self, declared: Vec<Declared>) -> PyResult<Arc<Bound>> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(bound) = last.as_ref().filter(|it| it.declared == declared) {
+            return Ok(bound.clone());
+        }
+        let layout = Layout::new(&self.text, &self.parsed, &declared)?;
+        let bound = Arc::new(Bound { declared, layout });
+        *last = Some(bound.clone());
+        Ok(bound)
+    }
+
     fn found(&self, layout: &Layout, report: FormulaReport) -> Found {
         let atoms: Vec<&str> = self.atoms();
         found(&atoms, layout, report)
