@@ -88,18 +88,6 @@ pub(crate) mod statistics {
         guarded(|| Ok(ends(method.interval(sample(counts)?, level(confidence)?))))
     }
 
-    #[pyfunction]
-    fn limits(counts: Counts, confidence: f64, method: &str) -> PyResult<Ends> {
-        let method = super::method(method)?;
-        let (counts, level) = (sample(counts)?, level(confidence)?);
-        guarded(|| {
-            Ok((
-                method.lower_limit(counts, level),
-                method.upper_limit(counts, level),
-            ))
-        })
-    }
-
     /// The p-values against "at least", "at most" and "equal to" the threshold.
     #[pyfunction]
     fn rate_tests(counts: Counts, threshold: f64) -> PyResult<(f64, f64, f64)> {
@@ -130,13 +118,6 @@ pub(crate) mod statistics {
                 ::stats::boschloo_exact(first, second),
             ))
         })
-    }
-
-    #[pyfunction]
-    fn fisher(first: Counts, second: Counts) -> PyResult<f64> {
-        let (first, second) = (sample(first)?, sample(second)?);
-        trials_in_both(first, second)?;
-        guarded(|| Ok(::stats::fisher_exact(first, second)))
     }
 
     #[pyfunction]

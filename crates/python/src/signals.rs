@@ -7,7 +7,10 @@ use numpy::{PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use std::ops::Range;
 use temporal::formula::Parsed;
-use trace::{BoundPredicate, Field, PredicateError, PredicateErrorKind, SignalIndex, SignalValues, Trace, Vocabulary};
+use trace::{
+    BoundPredicate, Field, PredicateError, PredicateErrorKind, SignalIndex, SignalValues, Trace,
+    Vocabulary,
+};
 
 /// The topic of columns whose names are not those of signals.
 const TOPIC: &str = "/data";
