@@ -5,6 +5,7 @@
 :class:`Formula`    temporal logic over arrays, data frames and streams
 :func:`monitor`     recordings judged by formulas or a study's monitors
 :class:`Study`      studies run, compared, plotted, replayed
+:mod:`rig`          a simulator in Python as a rig of a study
 :mod:`stats`        statistics of counted trials
 :class:`Problem`    the one exception for wrong input
 ==================  =====================================================
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from ._problem import InternalError, Problem
 
 if TYPE_CHECKING:
-    from . import stats
+    from . import rig, stats
     from ._answers import Answer
     from ._formulas import Formula, Monitor, Verdict, monitor
     from ._models import Model, Scheduler
@@ -39,6 +40,7 @@ _HOMES = {
     "Table": "_table",
     "Verdict": "_formulas",
     "monitor": "_formulas",
+    "rig": "rig",
     "stats": "stats",
 }
 
