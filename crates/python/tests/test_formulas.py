@@ -45,6 +45,15 @@ def test_data_frames(kind):
         Formula("always ready").judge(frame, time_column="t")
 
 
+def test_columns_that_are_not_asked_for_may_be_anything():
+    frame = {"time": [0.0, 1.0], "speed": [0.1, 0.2], "note": ["a", "b"], "none": [None, {}]}
+    assert Formula("always speed < 1").judge(frame).verdict is Verdict.SATISFIED
+    with pytest.raises(corroborate.Problem, match="note"):
+        Formula("always velocity < 1").judge(frame)
+    with pytest.raises(corroborate.Problem, match="neither numbers nor truth"):
+        Formula("always note < 1").judge(frame)
+
+
 def test_times_of_pandas_are_seconds_from_the_first_sample():
     pandas = pytest.importorskip("pandas")
     times = pandas.to_datetime(["2026-01-01 00:00:10", "2026-01-01 00:00:11", "2026-01-01 00:00:13"])

@@ -185,6 +185,26 @@ def test_files_are_read(tmp_path):
     assert corroborate.Model.load(tmp_path / "chain.tra").check('P=? [ F "deadlock" ]') == 0
 
 
+def test_a_limit_of_time_ends_the_work_with_what_there_is():
+    sides = "".join(f"x{i}:[0..9]; " for i in range(8))
+    steps = "".join(f"[] x{i}<9 -> (x{i}'=x{i}+1); " for i in range(8))
+    large = corroborate.Model.parse(f"mdp module m {sides}{steps}endmodule")
+    with pytest.raises(corroborate.Problem) as caught:
+        large.check("Pmax=? [ F x0=9 ]", timeout=0.2)
+    assert caught.value.code == "time-limit" and caught.value.kind == "undecided"
+    with pytest.raises(corroborate.Problem) as caught:
+        large.check("Pmax=? [ F x0=9 ]", max_states=1000)
+    assert caught.value.remedy
+
+
+def test_what_is_not_supported_says_so(robot):
+    with pytest.raises(corroborate.Problem) as caught:
+        corroborate.Model.parse("pta module m x:[0..1]; [] x=0 -> (x'=1); endmodule").check("P=? [ F x=1 ]")
+    assert "pta" in str(caught.value)
+    infinite = robot.check('R{"tries"}=? [ F s=2 ]', constants={"p": 0.9})
+    assert infinite.value == float("inf") and infinite > 1e9
+
+
 def test_unknown_settings_say_what_is_known(robot):
     with pytest.raises(corroborate.Problem, match="no method `guess`") as caught:
         robot.check("P=? [ F s=1 ]", constants={"p": 0.5}, method="guess")

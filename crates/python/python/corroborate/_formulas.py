@@ -174,7 +174,8 @@ class Formula:
                 message = f"the data frame has no column `{time_column}` (it has {', '.join(table)})"
                 raise Problem("bad-signals", message, remedy="name the column of the times: time_column=...")
             times = table.pop(time_column)
-            columns = {**table, **columns}
+            # A frame may have columns of texts, and many that are not asked for.
+            columns = {**self._used(table), **columns}
         if times is None:
             raise Problem("bad-signals", "the times of the samples are missing", remedy="give them in seconds, first")
         columns = {**(signals or {}), **columns}
@@ -182,6 +183,15 @@ class Formula:
         declared = [(name, units.get(name, ""), array.dtype.char == "?") for name, array in zip(columns, arrays)]
         _known_units(units, columns)
         return _judgement(self._formula.judge(_times(times), declared, arrays, complete))
+
+    def _used(self, table: Mapping[str, Any]) -> dict[str, Any]:
+        """The columns whose names stand in the formula."""
+        atoms = self._formula.atoms
+        used = {name: column for name, column in table.items() if any(name in atom for atom in atoms)}
+        if used or not table:
+            return used
+        message = f"the formula names none of the columns {', '.join(table)}"
+        raise Problem("bad-signals", message, remedy="name columns as they are, for example `always speed < 1`")
 
     def start(self, signals: Union[Mapping[str, Any], Iterable[str]]) -> Monitor:
         """Begins to judge a stream.
