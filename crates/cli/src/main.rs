@@ -1,67 +1,7 @@
-//! The `corroborate` command: the only place where techniques meet evidence.
-//!
-//! A command is parsed into plain data ([`args`]), carried out
-//! ([`command`]), and ends in an [`corroborate::Outcome`] or a
-//! [`diagnostic::Problem`], which choose the exit code here and nowhere else.
+//! The `corroborate` command.
 
-mod args;
-mod command;
-mod drawing;
-mod explain;
-mod memory;
-mod physics_library;
-mod python_path;
-mod shown_calibration;
-mod shown_problem;
-mod terminal;
-mod written;
-
-use clap::Parser;
-use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
-use std::sync::Arc;
 
 fn main() -> ExitCode {
-    let arguments = args::with_peers_spelling(std::env::args_os());
-    let parsed = args::Arguments::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
-    let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let host = host::Host {
-        events: terminal::events(parsed.quiet),
-        cancel: terminal::cancel_on_interrupt(),
-        physics_library: physics_library::find(),
-        build: corroborate::build(),
-        python_path: python_path::of_environment(),
-        scratch: std::env::temp_dir(),
-        memory: Arc::new(memory::Memory::unlimited()),
-    };
-    match command::carry_out(&parsed.command, &host) {
-        Ok(done) => finish(&done),
-        Err(problem) => {
-            let problem = match parsed.command {
-                args::Command::Run(_)
-                | args::Command::Simulate(_)
-                | args::Command::Rare(_)
-                | args::Command::Calibrate(_) => problem.resumable(),
-                _ => problem,
-            };
-            terminal::to_stderr(&shown_problem::rendered(&problem, colour));
-            ExitCode::from(shown_problem::exit_code(&problem))
-        }
-    }
-}
-
-/// Prints the result and turns the outcome into the exit code.
-fn finish(done: &command::Done) -> ExitCode {
-    let mut out = std::io::stdout().lock();
-    let printed = out
-        .write_all(done.output.as_bytes())
-        .and_then(|()| out.flush());
-    match printed {
-        // The reader of a pipe may stop early; that is no fault of ours.
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            terminal::to_stderr(&format!("the result could not be printed: {error}"));
-            ExitCode::from(corroborate::Outcome::DataLost.exit_code())
-        }
-        _ => ExitCode::from(done.outcome.exit_code()),
-    }
+    ExitCode::from(cli::run(std::env::args_os()))
 }

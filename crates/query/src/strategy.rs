@@ -88,7 +88,7 @@ pub(crate) fn write_strategy<N: Arithmetic + Written + 'static>(
     }
     let path = Path::new(file);
     let explicit = Explicit::new(space);
-    if form("json") {
+    if form("json") || is_set("type=json") {
         let report = report(space, &explicit, &scheduler);
         return output.write(path, json(&report)?.as_bytes());
     }

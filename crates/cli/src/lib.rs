@@ -1,0 +1,69 @@
+#![doc = include_str!("../README.md")]
+//!
+//! A command is parsed into plain data (`args`), carried out
+//! (`command`), and ends in an [`corroborate::Outcome`] or a
+//! [`diagnostic::Problem`], which choose the exit code here and nowhere else.
+
+mod args;
+mod command;
+mod drawing;
+mod explain;
+mod memory;
+mod physics_library;
+mod python_path;
+mod shown_calibration;
+mod shown_problem;
+mod terminal;
+mod written;
+
+use clap::Parser;
+use std::ffi::OsString;
+use std::io::{IsTerminal, Write};
+use std::sync::Arc;
+
+/// Carries out the command of these arguments, of which the first is the program's name, and gives the exit code. It is the
+/// process's only work: it catches Ctrl-C and ends the process where the arguments are wrong, or ask for help.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = args::with_peers_spelling(arguments.into_iter());
+    let parsed = args::Arguments::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
+    let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let host = host::Host {
+        events: terminal::events(parsed.quiet),
+        cancel: terminal::cancel_on_interrupt(),
+        physics_library: physics_library::find(),
+        build: corroborate::build(),
+        python_path: python_path::of_environment(),
+        scratch: std::env::temp_dir(),
+        memory: Arc::new(memory::Memory::unlimited()),
+    };
+    match command::carry_out(&parsed.command, &host) {
+        Ok(done) => finish(&done),
+        Err(problem) => {
+            let problem = match parsed.command {
+                args::Command::Run(_)
+                | args::Command::Simulate(_)
+                | args::Command::Rare(_)
+                | args::Command::Calibrate(_) => problem.resumable(),
+                _ => problem,
+            };
+            terminal::to_stderr(&shown_problem::rendered(&problem, colour));
+            shown_problem::exit_code(&problem)
+        }
+    }
+}
+
+/// Prints the result and turns the outcome into the exit code.
+fn finish(done: &command::Done) -> u8 {
+    let mut out = std::io::stdout().lock();
+    let printed = out
+        .write_all(done.output.as_bytes())
+        .and_then(|()| out.flush());
+    match printed {
+        // The reader of a pipe may stop early; that is no fault of ours.
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            terminal::to_stderr(&format!("the result could not be printed: {error}"));
+            corroborate::Outcome::DataLost.exit_code()
+        }
+        _ => done.outcome.exit_code(),
+    }
+}

@@ -1,0 +1,410 @@
+"""Formulas of temporal logic: over arrays and data frames, over recordings, and sample by sample."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any, Literal, Union
+
+from . import _engine
+from ._problem import Problem
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = [
+    "Explanation",
+    "Formula",
+    "Judgement",
+    "Monitor",
+    "RecordingJudgement",
+    "RecordingsReport",
+    "Responsible",
+    "Robustness",
+    "Verdict",
+    "monitor",
+]
+
+Ending = Literal["finite", "inconclusive", "weak", "strong"]
+PathLike = Union[str, os.PathLike[str]]
+
+
+class Verdict(str, Enum):
+    """What is concluded of one trace."""
+
+    SATISFIED = "satisfied"
+    VIOLATED = "violated"
+    NOT_COVERED = "not-covered"
+    """Nothing was violated, but what the requirement waits for never came."""
+    INCONCLUSIVE = "inconclusive"
+    """The trace ended before a verdict."""
+
+    def __str__(self) -> str:
+        return self.value
+
+
+@dataclass(frozen=True)
+class Robustness:
+    """By how much a formula is satisfied (above 0) or violated (below 0), in the SI unit of what it compares."""
+
+    least: float
+    """Not less than this, given what was seen; minus infinity if there is no limit."""
+    greatest: float
+    """Not more than this."""
+
+    @property
+    def value(self) -> Union[float, None]:
+        """The robustness itself, if it is known."""
+        return self.least if self.least == self.greatest else None
+
+
+@dataclass(frozen=True)
+class Responsible:
+    """What is part of the reason for a violation."""
+
+    proposition: str
+    """The text of the comparison or proposition."""
+    value: bool
+    """What it was there."""
+    from_secs: float
+    to_secs: float
+    signals: tuple[str, ...]
+    """The signals that it reads."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """The part of a trace that by itself shows a violation, whatever the signals are elsewhere."""
+
+    from_secs: float
+    to_secs: float
+    """Where the violation shows."""
+    responsible: tuple[Responsible, ...]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What a formula says of one trace, at its first sample."""
+
+    verdict: Verdict
+    robustness: Union[Robustness, None]
+    """``None`` without samples."""
+    covered: Union[int, None]
+    """How often the requirement was put to the test: how often `a` of ``always (a => b)`` became true; ``None`` of other
+    formulas."""
+    samples: int
+    decided_at_secs: Union[float, None]
+    """The time of the sample that determined the verdict; ``None`` if only the end did."""
+    explanation: Union[Explanation, None]
+    """Of a violation."""
+
+
+class Formula:
+    """A formula of metric or signal temporal logic.
+
+    Args:
+        text: for example ``always (near => eventually[0, 2 s] speed < 250 mm/s)``. All of the language is in ``corroborate
+            explain formula``. Names are columns; signals of recordings are written ``/topic.field``.
+        parameters: values in seconds of names that stand in intervals.
+        time: ``discrete`` (only samples count) or ``dense`` (signals have values between samples).
+        interpolation: in dense time, ``hold`` (the last value) or ``linear`` (robustness in straight lines).
+        ending: what is said of times behind the end: ``finite`` (the trace is all there is), ``inconclusive`` (nothing),
+            ``weak`` (the benefit of the doubt), ``strong`` (none).
+
+    >>> formula = Formula("always (speed < 0.25)")
+    >>> found = formula.judge([0.0, 0.5, 1.0], speed=[0.1, 0.3, 0.2])
+    >>> found.verdict, round(found.robustness.value, 9), found.explanation.to_secs
+    (<Verdict.VIOLATED: 'violated'>, -0.05, 0.5)
+    >>> formula.judge([0.0, 0.5], speed=[100.0, 300.0], units={"speed": "mm/s"}).verdict.value
+    'violated'
+    """
+
+    __slots__ = ("_formula", "ending", "text", "time")
+
+    def __init__(
+        self,
+        text: str,
+        *,
+        parameters: Mapping[str, float] = {},
+        time: Literal["discrete", "dense"] = "discrete",
+        interpolation: Literal["hold", "linear"] = "hold",
+        ending: Ending = "finite",
+    ) -> None:
+        self._formula = _engine.Formula(text, dict(parameters), time, interpolation, ending)
+        self.text, self.time, self.ending = text, time, ending
+
+    @property
+    def atoms(self) -> list[str]:
+        """The comparisons and propositions of the formula, as they are written."""
+        return self._formula.atoms
+
+    def judge(
+        self,
+        times: Any = None,
+        signals: Any = None,
+        /,
+        *,
+        units: Mapping[str, str] = {},
+        complete: bool = True,
+        time_column: str = "time",
+        **columns: Any,
+    ) -> Judgement:
+        """Judges one trace.
+
+        Args:
+            times: seconds, one for each sample, shape ``(samples,)``; or a data frame of pandas or polars (or a mapping of
+                columns), whose column ``time_column`` has them.
+            signals: a mapping from names to columns, for names that are no words of Python.
+            units: the unit of columns that have one, for example ``{"speed": "mm/s"}``. Robustness is in SI units.
+            complete: ``False`` if the trace was cut short: then nothing is said of what came behind.
+            time_column: where a data frame has the times.
+            columns: one value for each sample, NaN where it is missing. Arrays of ``float64`` and ``bool`` are read where they
+                lie; others are converted.
+
+        Raises:
+            Problem: a name that is no column, units that do not fit, times that are not in order.
+        """
+        if times is not None and (hasattr(times, "columns") or isinstance(times, Mapping)):
+            table = {str(name): times[name] for name in (times.columns if hasattr(times, "columns") else times)}
+            if time_column not in table:
+                message = f"the data frame has no column `{time_column}` (it has {', '.join(table)})"
+                raise Problem("bad-signals", message, remedy="name the column of the times: time_column=...")
+            times = table.pop(time_column)
+            # A frame may have columns of texts, and many that are not asked for.
+            columns = {**self._used(table), **columns}
+        if times is None:
+            raise Problem("bad-signals", "the times of the samples are missing", remedy="give them in seconds, first")
+        columns = {**(signals or {}), **columns}
+        arrays = [_array(column) for column in columns.values()]
+        declared = [(name, units.get(name, ""), array.dtype.char == "?") for name, array in zip(columns, arrays)]
+        _known_units(units, columns)
+        return _judgement(self._formula.judge(_times(times), declared, arrays, complete))
+
+    def _used(self, table: Mapping[str, Any]) -> dict[str, Any]:
+        """The columns whose names stand in the formula."""
+        atoms = self._formula.atoms
+        used = {name: column for name, column in table.items() if any(name in atom for atom in atoms)}
+        if used or not table:
+            return used
+        message = f"the formula names none of the columns {', '.join(table)}"
+        raise Problem("bad-signals", message, remedy="name columns as they are, for example `always speed < 1`")
+
+    def start(self, signals: Union[Mapping[str, Any], Iterable[str]]) -> Monitor:
+        """Begins to judge a stream.
+
+        Args:
+            signals: names; or names with their units, or with ``bool`` for truth values: ``{"speed": "m/s", "ready": bool}``.
+        """
+        return Monitor(self, signals)
+
+    def judge_recordings(self, *recordings: PathLike, partial: bool = False, map: Union[PathLike, None] = None) -> RecordingsReport:
+        """Judges recordings (MCAP, bags of ROS 1 and 2, CSV, JSON lines, ...); see :func:`monitor`."""
+        return monitor(*recordings, formulas=[self], partial=partial, map=map)
+
+    def __repr__(self) -> str:
+        return f"Formula({self.text!r}, time={self.time!r}, ending={self.ending!r})"
+
+
+class Monitor:
+    """A formula that judges a stream, sample by sample, in memory that its windows bound.
+
+    >>> monitor = Formula("always (speed < 0.25)").start(["speed"])
+    >>> monitor.step(0.0, speed=0.1) is None
+    True
+    >>> monitor.step(0.5, speed=0.3)
+    <Verdict.VIOLATED: 'violated'>
+    >>> monitor.finish().explanation.responsible[0].proposition
+    'speed < 0.25'
+    """
+
+    __slots__ = ("_monitor", "_places", "_values", "formula")
+
+    def __init__(self, formula: Formula, signals: Union[Mapping[str, Any], Iterable[str]]) -> None:
+        given = signals if isinstance(signals, Mapping) else dict.fromkeys(signals, "")
+        declared = [(name, "" if unit is bool else str(unit or ""), unit is bool) for name, unit in given.items()]
+        self.formula = formula
+        self._monitor = formula._formula.start(declared)
+        self._places = {name: place for place, name in enumerate(given)}
+        self._values = [math.nan] * len(declared)
+
+    def step(self, time_secs: float, values: Mapping[str, float] = {}, /, **signals: float) -> Union[Verdict, None]:
+        """Takes a sample: the signals that changed, the others keep their last value. Gives the verdict once nothing that comes
+        can change it, ``None`` before."""
+        changed = {**values, **signals} if values else signals
+        for name, value in changed.items():
+            try:
+                self._values[self._places[name]] = value
+            except KeyError:
+                message = f"the monitor has no signal `{name}` (it has {', '.join(self._places)})"
+                raise Problem("bad-signals", message, remedy="declare it when the monitor is started") from None
+        verdict = self._monitor.step(time_secs, self._values)
+        return None if verdict is None else Verdict(verdict)
+
+    @property
+    def robustness(self) -> Union[Robustness, None]:
+        """What the robustness can still become, whatever comes; ``None`` before the first sample."""
+        bounds = self._monitor.robustness()
+        return None if bounds is None else Robustness(*bounds)
+
+    @property
+    def stored(self) -> int:
+        """How many values and times are stored: what bounds the memory."""
+        return self._monitor.stored()
+
+    def finish(self, *, complete: bool = True) -> Judgement:
+        """Ends the stream; ``complete`` is ``False`` if it was cut short."""
+        return _judgement(self._monitor.finish(complete))
+
+
+def _array(column: Any) -> NDArray[Any]:
+    import numpy as np
+
+    # A view where there is one: pandas and polars give the memory of columns without gaps.
+    array = np.asarray(column)
+    if array.dtype.kind == "b" or array.dtype == np.float64:
+        return array
+    if array.dtype.kind in "iuf":
+        return array.astype(np.float64)
+    try:
+        return array.astype(np.float64)
+    except (TypeError, ValueError):
+        message = f"a column of the type {array.dtype} is neither numbers nor truth values"
+        raise Problem("bad-signals", message, remedy="leave it out, or give numbers for its values") from None
+
+
+def _times(times: Any) -> NDArray[np.float64]:
+    import numpy as np
+
+    array = np.asarray(times)
+    if array.dtype.kind in "mM":
+        # From the first sample on, in seconds.
+        seconds: NDArray[np.float64] = (array - array[:1]) / np.timedelta64(1, "s")
+        return seconds
+    return np.asarray(array, dtype=np.float64)
+
+
+def _known_units(units: Mapping[str, str], columns: Mapping[str, Any]) -> None:
+    for name in units:
+        if name not in columns:
+            message = f"`{name}` has a unit and is no column (these are {', '.join(columns)})"
+            raise Problem("bad-signals", message, remedy="correct the name")
+
+
+def _judgement(found: Any) -> Judgement:
+    verdict, bounds, covered, samples, decided_at, explanation = found
+    if explanation is not None:
+        begins, ends, parts = explanation
+        responsible = tuple(Responsible(text, value, since, until, tuple(reads)) for text, value, since, until, reads in parts)
+        explanation = Explanation(begins, ends, responsible)
+    robustness = None if bounds is None else Robustness(*bounds)
+    return Judgement(Verdict(verdict), robustness, covered, samples, decided_at, explanation)
+
+
+@dataclass(frozen=True)
+class RecordingJudgement:
+    """What one monitor says of one recording."""
+
+    file: str
+    subject: str
+    """The requirement, the failure mode, or the formula."""
+    reading: Union[str, None]
+    """Which of several readings, if it is not the main one."""
+    verdict: Verdict
+    covered: int
+    """How often the precondition was met."""
+    passed: int
+    failed: int
+    robustness: Union[Robustness, None]
+    no_robustness: Union[str, None]
+    """Why there is none."""
+    decided_at_secs: Union[float, None]
+    explanation: Union[Explanation, None]
+    complete: bool
+    """Whether the recording was recorded to its end and all of it was read."""
+
+
+@dataclass(frozen=True)
+class RecordingsReport:
+    """Recordings that were judged."""
+
+    judgements: tuple[RecordingJudgement, ...]
+    """One for each monitor and recording."""
+    warnings: tuple[str, ...]
+    """What has a meaning that is perhaps not meant."""
+    data: Mapping[str, Any]
+    """The whole report, as ``corroborate monitor --format json`` prints it."""
+
+    def of(self, subject: str) -> list[RecordingJudgement]:
+        """Those of one requirement, failure mode or formula."""
+        return [it for it in self.judgements if it.subject == subject]
+
+
+def monitor(
+    *recordings: PathLike,
+    formulas: Sequence[Union[Formula, str]] = (),
+    study: Union[PathLike, None] = None,
+    only: Sequence[str] = (),
+    map: Union[PathLike, None] = None,
+    partial: bool = False,
+    progress: Union[Callable[[dict[str, Any]], object], None] = None,
+) -> RecordingsReport:
+    """Judges recordings, or folders of them, by formulas or by the monitors of a study.
+
+    Args:
+        recordings: files in any format that ``corroborate monitor`` reads (MCAP, bags of ROS 1 and 2, CSV, JSON lines, ...).
+        formulas: formulas over signals ``/topic.field``, all of one ``time`` and ``ending``.
+        study: the folder of a study, whose requirements and failure modes are judged.
+        only: of these only the ones with these identifiers.
+        map: a topic map, which says where recordings have the signals; by default the study's.
+        partial: judges recordings that are not complete as far as they go.
+        progress: called with each event, a dictionary.
+    """
+    read = [it if isinstance(it, Formula) else Formula(it) for it in formulas]
+    kinds = {(it.time, it.ending) for it in read} or {("discrete", "finite")}
+    if len(kinds) > 1:
+        raise Problem("bad-setting", "the formulas differ in `time` or `ending`", remedy="judge them one after another")
+    ((time, ending),) = kinds
+    asked = {
+        "recordings": [os.fspath(path) for path in recordings],
+        "study": None if study is None else os.fspath(study),
+        "only": list(only),
+        "formulas": [it._formula.written_out for it in read],
+        "ending": ending,
+        "time": time,
+        "map": None if map is None else os.fspath(map),
+        "partial": partial,
+    }
+    report = _engine.monitor_recordings(asked, progress)
+    judged = (_recording(it, verdict) for it in report["recordings"] for verdict in it["verdicts"])
+    return RecordingsReport(tuple(judged), tuple(report["warnings"]), report)
+
+
+def _recording(recording: Mapping[str, Any], found: Mapping[str, Any]) -> RecordingJudgement:
+    bounds, violation = found["robustness"], found["violation"]
+    if bounds is not None:
+        least, greatest = bounds["least"], bounds["greatest"]
+        bounds = Robustness(-math.inf if least is None else least, math.inf if greatest is None else greatest)
+    if violation is not None:
+        parts = (
+            Responsible(it["proposition"], it["value"], it["from_secs"], it["to_secs"], tuple(signal["name"] for signal in it["signals"]))
+            for it in violation["responsible"]
+        )
+        violation = Explanation(violation["from_secs"], violation["to_secs"], tuple(parts))
+    return RecordingJudgement(
+        recording["file"],
+        found["subject"],
+        found["reading"],
+        Verdict(found["verdict"].replace("_", "-")),
+        found["covered"],
+        found["passed"],
+        found["failed"],
+        bounds,
+        found["no_robustness"],
+        found["decided_at_secs"],
+        violation,
+        recording["complete"],
+    )

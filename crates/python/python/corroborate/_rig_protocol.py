@@ -1,0 +1,1 @@
+../../../../integrations/common/corroborate_rig.py

@@ -1,0 +1,271 @@
+"""Studies: opened, planned, run, compared, replayed."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Union
+
+from . import _engine
+from ._problem import Problem
+from ._surroundings import surroundings
+from ._table import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Conclusion", "Planned", "Produced", "Replay", "Requirement", "Study", "StudyResult"]
+
+PathLike = Union[str, os.PathLike[str]]
+Progress = Union[Callable[[dict[str, Any]], object], None]
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """What is required."""
+
+    id: str
+    text: str
+    """Verbatim."""
+    direction: Union[str, None]
+    """``at-least`` or ``at-most``; ``None`` if certainty is asked for."""
+    threshold: float
+    """The probability it asks for; 1 if it asks for certainty."""
+    margin: float
+    """The largest difference of two rates that counts as agreement."""
+
+
+@dataclass(frozen=True)
+class Planned:
+    """What a run would do for one entry of the ledger."""
+
+    id: str
+    title: str
+    technique: str
+    freshness: str
+    """``fresh`` (what was kept is taken), or why it is produced: ``not-produced``, ``files-changed``, ``other-inputs``, ``damaged``,
+    ``awaits`` (evidence it depends on comes first), ``cannot-produce``."""
+    why: Mapping[str, Any]
+    """What is known besides: ``files``, ``evidence`` or ``reason``."""
+    last_took_secs: Union[float, None]
+    """How long it took when it was last produced."""
+
+
+@dataclass(frozen=True)
+class Produced:
+    """A piece of evidence that was produced by itself."""
+
+    id: str
+    headline: str
+    """Its main figure in words."""
+    data: Mapping[str, Any]
+    """All of it, as ``study.json`` has evidence."""
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What all evidence on a requirement amounts to."""
+
+    requirement: str
+    verdict: str
+    """``satisfied``, ``violated``, ``undecided``, ``conflicting``, ...; ``corroborate explain`` has each."""
+    step: Union[str, None]
+    """On which step it holds: for the system, in simulation, for the model."""
+    statement: str
+    """In words."""
+
+
+@dataclass(frozen=True)
+class Replay:
+    """An episode that was run again."""
+
+    episode: str
+    seed: int
+    shown: Union[bool, None]
+    """Whether it shows again what it is replayed for."""
+    same_bytes: Union[bool, None]
+    """Whether the recording is the same as before, byte for byte; ``None`` where that is not known."""
+    verdicts: Mapping[str, str]
+    """By requirement and failure mode."""
+    files: tuple[str, ...]
+    """What was written: the recording, verdicts over time, the scene, a page."""
+
+
+class Study:
+    """A study: a folder of requirements and of what is known about them.
+
+    Args:
+        folder: where ``study.toml`` lies.
+        out: the folder of results; by default ``results`` in the study.
+
+    Raises:
+        Problem: all mistakes of its files, each with its place.
+    """
+
+    def __init__(self, folder: PathLike, *, out: Union[PathLike, None] = None) -> None:
+        self.folder = pathlib.Path(folder)
+        self.out = self.folder / "results" if out is None else pathlib.Path(out)
+        self._about = _engine.study_open(os.fspath(folder))
+
+    @property
+    def title(self) -> str:
+        """As ``study.toml`` has it."""
+        return str(self._about["title"])
+
+    @property
+    def requirements(self) -> dict[str, Requirement]:
+        """By identifier, in the order of the file."""
+        return {it["id"]: _requirement(it) for it in self._about["requirements"]}
+
+    @property
+    def evidence(self) -> list[str]:
+        """The identifiers of the ledger's entries."""
+        return list(self._about["evidence"])
+
+    def plan(self, *, only: Sequence[str] = ()) -> list[Planned]:
+        """What a run would do. Reads and checks everything, and produces nothing."""
+        plan = _engine.study_plan(self._asked(only), surroundings())
+        return [_planned(it) for it in plan["evidence"]]
+
+    def run(self, *, progress: Progress = None) -> StudyResult:
+        """Produces what is missing or stale, compares, concludes; writes ``study.json`` and ``report.html``. Ctrl-C ends it; what was
+        finished is kept, and the next run goes on there.
+
+        Args:
+            progress: called with each event, a dictionary: ``{"event": "started", "stage": 0, "title": ..., "total": ...}``,
+                ``advanced`` (with ``done`` and ``left_secs``), ``finished``, ``note``. What it raises ends the run.
+        """
+        return StudyResult(_engine.study_run(self._asked(()), surroundings(), progress), self.out)
+
+    def produce(self, *evidence: str, progress: Progress = None) -> list[Produced]:
+        """Produces only the evidence with these identifiers, and compares nothing. What is fresh is taken as it was kept."""
+        if not evidence:
+            raise Problem("unknown-evidence", "no evidence is named", remedy=f"the ledger has {', '.join(self.evidence)}")
+        found = _engine.study_run(self._asked(evidence), surroundings(), progress)
+        return [Produced(it["evidence"]["id"], it["headline"], it["evidence"]) for it in found]
+
+    def result(self) -> StudyResult:
+        """The result of the last run.
+
+        Raises:
+            Problem: ``not-run`` without one, ``stale-result`` if the study's files have changed since.
+        """
+        return StudyResult(_engine.study_result(self._asked(())), self.out)
+
+    def compare(self, *evidence: str) -> list[dict[str, Any]]:
+        """The comparisons of the last run: all; of one piece of evidence; or, of several, the pairs among them."""
+        return list(_engine.study_compare(self._asked(evidence))["comparisons"])
+
+    def replay(self, episode: str, *, out: Union[PathLike, None] = None) -> Replay:
+        """Runs an episode again, bit for bit: the file of a finding, or an episode of an evidence by its number (``E4:17``)."""
+        asked: dict[str, Any] = {"folder": os.fspath(self.folder), "out": None if out is None else os.fspath(out), "only": []}
+        found = _engine.study_replay(asked, episode, surroundings())
+        verdicts = {it["subject"]: it["verdict"] for it in found["verdicts"]}
+        return Replay(found["episode"], int(found["seed"]), found["shown"], found["same_bytes"], verdicts, tuple(found["files"]))
+
+    def _asked(self, only: Sequence[str]) -> dict[str, Any]:
+        return {"folder": os.fspath(self.folder), "out": os.fspath(self.out), "only": list(only)}
+
+    def __repr__(self) -> str:
+        return f"<Study {self.folder}: {self.title}>"
+
+
+class StudyResult:
+    """What a study amounts to."""
+
+    def __init__(self, outcome: _engine.StudyOutcome, folder: pathlib.Path) -> None:
+        self._outcome = outcome
+        self.folder = folder
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """All of it, as ``study.json`` has it (``corroborate schema study-result`` describes it)."""
+        return self._outcome.data()
+
+    @property
+    def exit_code(self) -> int:
+        """That of ``corroborate run``: 0 if all requirements hold, 1 if one is violated or evidence conflicts, 3 if something is
+        undecided."""
+        return self._outcome.exit_code
+
+    @property
+    def confidence(self) -> float:
+        """The level of all intervals."""
+        return float(self.data["confidence"])
+
+    @property
+    def requirements(self) -> dict[str, Requirement]:
+        """By identifier."""
+        return {it["id"]: _requirement(it) for it in self.data["requirements"]}
+
+    @property
+    def conclusions(self) -> dict[str, Conclusion]:
+        """By requirement."""
+        found = (Conclusion(it["requirement"], it["verdict"], it["step"], it["statement"]) for it in self.data["conclusions"])
+        return {it.requirement: it for it in found}
+
+    @property
+    def evidence(self) -> Table:
+        """One row for each piece of evidence and each requirement or failure mode: ``evidence``, ``title``, ``technique``, ``kind``,
+        ``subject``, ``count``, ``trials``, ``effective_trials`` (after clustering), ``estimate``, ``low``, ``high`` (of the interval
+        at the study's level, or of the bounds), ``guarantee``, ``reason`` (why there is no figure)."""
+        return Table(self._outcome.evidence())
+
+    @property
+    def comparisons(self) -> Table:
+        """One row for each pair of evidence on each subject: ``outcome``, ``difference`` (left minus right) with its interval,
+        ``margin``, p-values of a difference and of equivalence."""
+        return Table(self._outcome.comparisons())
+
+    def episodes(self, evidence: str) -> pathlib.Path:
+        """The Parquet table of a simulation's episodes, one row each: ``polars.read_parquet(result.episodes("E4"))``."""
+        found = sorted((self.folder / "episodes" / evidence).glob("episodes*.parquet"))
+        if not found:
+            message = f"{evidence} has no table of episodes in {self.folder}"
+            raise Problem("no-episodes", message, remedy="name the evidence of a simulation that was run")
+        return found[0]
+
+    def forest_plot(self, ax: Union[Axes, None] = None, *, subject: Union[str, None] = None) -> Axes:
+        """Draws all evidence along one axis, as in the report (needs matplotlib): of all requirements, or of one subject."""
+        from ._plots import forest_plot
+
+        return forest_plot(self, ax, subject)
+
+    def summary(self, width: int = 100) -> str:
+        """As ``corroborate run`` prints it."""
+        return self._outcome.text(width)
+
+    def html(self) -> str:
+        """The report: one page that opens offline."""
+        return self._outcome.html()
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{_escaped(it.requirement)}</td><td>{_escaped(it.verdict)}</td><td>{_escaped(it.statement)}</td></tr>"
+            for it in self.conclusions.values()
+        )
+        return f"<table><tr><th>Requirement</th><th>Verdict</th><th>Why</th></tr>{rows}</table>"
+
+    def __repr__(self) -> str:
+        said = ", ".join(f"{it.requirement}: {it.verdict}" for it in self.conclusions.values())
+        return f"<StudyResult {self.data['title']}: {said}>"
+
+
+def _escaped(text: str) -> str:
+    import html
+
+    return html.escape(text)
+
+
+def _requirement(it: Mapping[str, Any]) -> Requirement:
+    threshold = it["threshold"]
+    direction, value = (None, 1.0) if threshold is None else (threshold["direction"], threshold["value"])
+    return Requirement(it["id"], it["text"], direction, value, it["margin"])
+
+
+def _planned(it: Mapping[str, Any]) -> Planned:
+    why = dict(it["freshness"])
+    return Planned(it["id"], it["title"], it["technique"], why.pop("is"), why, it["last_took_secs"])

@@ -1,0 +1,465 @@
+"""Statistics of counted trials, for those who would otherwise use a test for something else than it is for.
+
+Counts are pairs ``(successes, trials)``. Every result says in its fields what was asked and what was found; rates are between
+0 and 1. All functions raise :class:`corroborate.Problem` for counts and settings that make no sense.
+
+=====================================  =========================================================
+question                               answered by
+=====================================  =========================================================
+What do s of n say of a rate?          :func:`rate`
+Is a rate at least, at most so much?   :func:`test_rate`
+Do two rates differ, by how much?      :func:`difference`
+Do two rates agree within a margin?    :func:`equivalence` (not a large p-value of a difference)
+Trials of the same person or session?  :func:`clustered_rate`, :func:`clustering`
+May I look while trials go on?         :func:`confidence_sequence`, :class:`RunningRate`, :func:`decide`
+I added trials and ask again?          :func:`continued_rate`
+The same scenarios before and after?   :func:`paired`
+How many trials does it take?          :func:`trials_per_arm`, :func:`power`
+Many tests at once?                    :func:`holm`
+Do several rates agree?                :func:`heterogeneity`
+=====================================  =========================================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from . import _engine
+from ._problem import Problem
+
+__all__ = [
+    "ClusteredRate",
+    "Clustering",
+    "Counts",
+    "Difference",
+    "Equivalence",
+    "Heterogeneity",
+    "Paired",
+    "Rate",
+    "RateTest",
+    "RunningRate",
+    "clustered_rate",
+    "clustering",
+    "clusters_of",
+    "confidence_sequence",
+    "continued_rate",
+    "decide",
+    "difference",
+    "equivalence",
+    "heterogeneity",
+    "holm",
+    "paired",
+    "power",
+    "rate",
+    "test_rate",
+    "trials_per_arm",
+]
+
+Counts = tuple[int, int]
+"""Successes and trials: ``(88, 100)``."""
+
+_stats = _engine.stats
+
+IntervalMethod = Literal["wilson", "agresti-coull", "clopper-pearson", "jeffreys"]
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """A rate and its interval."""
+
+    successes: int
+    trials: int
+    low: float
+    """Lower end of the interval."""
+    high: float
+    """Upper end of the interval."""
+    confidence: float
+    """The level of the interval."""
+    method: str
+    """How the interval was formed."""
+
+    @property
+    def estimate(self) -> float:
+        """The share of successes; NaN without trials."""
+        return self.successes / self.trials if self.trials else float("nan")
+
+    def __str__(self) -> str:
+        interval = f"{self.confidence * 100:g} % CI {self.low * 100:.1f} to {self.high * 100:.1f} %"
+        return f"{self.successes}/{self.trials}, {interval} ({self.method})"
+
+
+@dataclass(frozen=True, slots=True)
+class RateTest:
+    """One-sided and two-sided exact binomial tests of a rate against a threshold."""
+
+    threshold: float
+    p_below: float
+    """p-value against "the rate is at least the threshold": small if the rate is shown to be below it."""
+    p_above: float
+    """p-value against "the rate is at most the threshold": small if the rate is shown to be above it."""
+    p_two_sided: float
+    """p-value against "the rate is the threshold"."""
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """The difference of two rates, first minus second."""
+
+    estimate: float
+    low: float
+    """Lower end of the interval (Newcombe's, of Wilson's intervals)."""
+    high: float
+    """Upper end of the interval."""
+    p_value: float
+    """Against "the rates are equal", two-sided, by Boschloo's exact test (Fisher's beyond 4000 trials). It is another
+    procedure than the interval: near the level one may speak where the other does not."""
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
+class Equivalence:
+    """Whether two rates agree within a margin."""
+
+    margin: float
+    p_value: float
+    """Against "the rates differ by the margin or more": small if agreement is shown."""
+    method: str
+
+    def shown(self, alpha: float = 0.05) -> bool:
+        """Whether agreement is shown at the significance level ``alpha``. Not shown is not the contrary."""
+        return self.p_value <= alpha
+
+
+@dataclass(frozen=True, slots=True)
+class ClusteredRate:
+    """A rate of trials that are alike within clusters (persons, sessions, batches)."""
+
+    successes: int
+    trials: int
+    clusters: int
+    """Clusters that have trials."""
+    low: float
+    high: float
+    confidence: float
+    method: str
+    """``profile`` (likelihood of the beta-binomial model), ``one-each`` (nothing tells how alike trials are, so each cluster
+    counts once) or ``independent`` (one cluster, or one trial in each)."""
+    effective_successes: float
+    effective_trials: float
+    """The number of independent trials that say as much."""
+
+    @property
+    def estimate(self) -> float:
+        """The share of successes."""
+        return self.successes / self.trials
+
+
+@dataclass(frozen=True, slots=True)
+class Clustering:
+    """How alike the trials of a cluster are."""
+
+    intraclass_correlation: float
+    """By analysis of variance; may be negative."""
+    design_effect: float
+    """The variance of the rate relative to that of independent trials, at least 1."""
+    effective_size: float
+    """The number of independent trials that say as much."""
+    f_statistic: float
+    p_value: float
+    """Against "no difference between clusters"."""
+
+
+@dataclass(frozen=True, slots=True)
+class Paired:
+    """Matched pairs of trials: the same scenario with both systems."""
+
+    pairs: int
+    only_first: int
+    """Pairs in which only the first succeeded."""
+    only_second: int
+    difference: float
+    """Rate of the second minus rate of the first."""
+    low: float
+    """Lower end of the interval of the difference (Tango's score interval)."""
+    high: float
+    p_value: float
+    """Against "nothing differs", two-sided and exact (McNemar)."""
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
+class Heterogeneity:
+    """Whether several rates are one, and what they are together."""
+
+    q: float
+    """Cochran's Q of the log odds."""
+    degrees: int
+    p_value: float
+    """Against "all rates are equal"."""
+    i_squared: float
+    """The share of the variation that is beyond chance, 0 to 1."""
+    tau_squared: float
+    """The variance of the true log odds between samples."""
+    pooled: float
+    """The mean rate with random effects."""
+    low: float
+    high: float
+    confidence: float
+
+
+def rate(
+    successes: int, trials: int, *, confidence: float = 0.95, method: IntervalMethod = "wilson"
+) -> Rate:
+    """The interval of a rate, two-sided. ``clopper-pearson`` never covers less than its level.
+
+    >>> print(rate(88, 100))
+    88/100, 95 % CI 80.2 to 93.0 % (wilson)
+    """
+    low, high = _stats.interval((successes, trials), confidence, method)
+    return Rate(successes, trials, low, high, confidence, method)
+
+
+def test_rate(successes: int, trials: int, *, threshold: float) -> RateTest:
+    """Whether a rate is below, above, or other than a threshold.
+
+    >>> round(test_rate(88, 100, threshold=0.95).p_below, 4)
+    0.0043
+    """
+    return RateTest(threshold, *_stats.rate_tests((successes, trials), threshold))
+
+
+# Not a test for pytest.
+test_rate.__test__ = False  # type: ignore[attr-defined]
+
+
+def difference(first: Counts, second: Counts, *, confidence: float = 0.95) -> Difference:
+    """The difference of two rates of independent samples, first minus second.
+
+    A large p-value does not show that the rates agree: that is :func:`equivalence`.
+
+    >>> found = difference((80, 100), (88, 100))
+    >>> round(found.estimate, 2), round(found.p_value, 3)
+    (-0.08, 0.138)
+    """
+    estimate, (low, high), p_value = _stats.difference(first, second, confidence)
+    return Difference(estimate, low, high, p_value, confidence)
+
+
+def equivalence(
+    first: Counts,
+    second: Counts,
+    *,
+    margin: float,
+    method: Literal["exact", "score", "tost"] = "exact",
+) -> Equivalence:
+    """Whether two rates differ by less than ``margin``.
+
+    ``exact`` errs at most at its level, whatever the true rates are; ``score`` and ``tost`` (Agresti-Caffo) are approximate.
+
+    >>> found = equivalence((960, 1000), (955, 1000), margin=0.05)
+    >>> found.shown(alpha=0.05)
+    True
+    >>> equivalence((18, 20), (18, 20), margin=0.05).shown()
+    False
+    """
+    return Equivalence(margin, _stats.equivalence(first, second, margin, method), method)
+
+
+def clusters_of(outcomes: Iterable[Any], groups: Iterable[Any]) -> list[Counts]:
+    """Counts of each cluster, from one outcome (true or false) and one label for each trial, in the order in which the labels
+    come first. Lists, arrays and columns of data frames do.
+
+    >>> clusters_of([True, False, True], ["ann", "ann", "bob"])
+    [(1, 2), (1, 1)]
+    """
+    found: dict[Any, list[int]] = {}
+    outcomes, groups = list(outcomes), list(groups)
+    if len(outcomes) != len(groups):
+        message = f"there are {len(outcomes)} outcomes and {len(groups)} labels of groups"
+        raise Problem("bad-statistics", message, remedy="give each trial one of both")
+    for outcome, group in zip(outcomes, groups):
+        counts = found.setdefault(group, [0, 0])
+        counts[0] += bool(outcome)
+        counts[1] += 1
+    return [(successes, trials) for successes, trials in found.values()]
+
+
+def clustered_rate(clusters: Sequence[Counts], *, confidence: float = 0.95) -> ClusteredRate:
+    """The interval of a rate whose trials are alike within clusters: one pair ``(successes, trials)`` for each.
+
+    >>> people = [(9, 10), (10, 10), (2, 10), (10, 10), (9, 10)]
+    >>> clustered_rate(people).effective_trials < 50
+    True
+    """
+    total, count, method, (low, high), worth = _stats.clustered_rate(list(clusters), confidence)
+    successes, trials = total
+    return ClusteredRate(successes, trials, count, low, high, confidence, method, worth[0], worth[1])
+
+
+def clustering(clusters: Sequence[Counts]) -> Clustering:
+    """How alike the trials of a cluster are, by analysis of variance."""
+    return Clustering(*_stats.clustering(list(clusters)))
+
+
+def confidence_sequence(successes: int, trials: int, *, confidence: float = 0.95) -> Rate:
+    """The interval of a rate that may be looked at after every trial: with probability ``confidence`` it is never wrong, whenever
+    trials stop. (An ordinary interval that is looked at until it suits is wrong more often than its level.)
+
+    >>> sequence = confidence_sequence(88, 100)
+    >>> sequence.low < rate(88, 100).low
+    True
+    """
+    low, high = _stats.confidence_sequence((successes, trials), confidence)
+    return Rate(successes, trials, low, high, confidence, "confidence sequence")
+
+
+class RunningRate:
+    """A confidence sequence that is followed trial by trial: a rate once excluded stays excluded.
+
+    >>> running = RunningRate(confidence=0.99)
+    >>> for trial in range(1000):
+    ...     interval = running.observe(trial % 10 != 0)
+    >>> running.low < 0.9 < running.high and running.high - running.low < 0.1
+    True
+    """
+
+    __slots__ = ("_confidence", "_running")
+
+    def __init__(self, *, confidence: float = 0.95) -> None:
+        self._running = _stats.RunningRate(confidence)
+        self._confidence = confidence
+
+    def observe(self, success: bool) -> tuple[float, float]:
+        """Takes one more trial; gives the ends of the interval now."""
+        return self._running.observe(bool(success))
+
+    @property
+    def low(self) -> float:
+        """Lower end of the interval now."""
+        return self._running.interval()[0]
+
+    @property
+    def high(self) -> float:
+        """Upper end of the interval now."""
+        return self._running.interval()[1]
+
+    @property
+    def rate(self) -> Rate:
+        """Counts and interval now."""
+        successes, trials = self._running.counts()
+        return Rate(successes, trials, self.low, self.high, self._confidence, "confidence sequence")
+
+
+def decide(
+    successes: int, trials: int, *, threshold: float, confidence: float = 0.95
+) -> Literal["at-least", "below", "open"]:
+    """Whether the rate is at least the threshold; may be asked after every trial, and is ever wrong with probability at most
+    ``1 - confidence``.
+
+    >>> decide(40, 50, threshold=0.95, confidence=0.99)
+    'below'
+    >>> decide(96, 100, threshold=0.95, confidence=0.99)
+    'open'
+    """
+    found = _stats.decide((successes, trials), threshold, confidence)
+    return "at-least" if found > 0 else "below" if found < 0 else "open"
+
+
+def continued_rate(looks: Sequence[Counts], *, confidence: float = 0.95) -> Rate:
+    """The interval of a rate that was looked at before, with fewer trials: ``looks`` are the counts at each look, all trials so
+    far each, the last one now.
+
+    >>> once, twice = rate(20, 20), continued_rate([(9, 10), (19, 20)])
+    >>> twice.trials
+    20
+    """
+    low, high = _stats.continued_interval(list(looks), confidence)
+    successes, trials = looks[-1] if looks else (0, 0)
+    return Rate(successes, trials, low, high, confidence, "continued")
+
+
+def trials_per_arm(
+    rates: tuple[float, float],
+    *,
+    margin: float | None = None,
+    power: float = 0.8,
+    confidence: float = 0.95,
+) -> int | None:
+    """Trials in each of two arms with these true rates, to show that they agree within ``margin``, or (without one) that they
+    differ, with this probability; ``None`` if no number would do. Normal approximation.
+
+    >>> trials_per_arm((0.9, 0.8))
+    197
+    >>> trials_per_arm((0.9, 0.8), margin=0.05) is None
+    True
+    """
+    return _stats.trials_per_arm(rates, margin, confidence, power)
+
+
+def power(
+    rates: tuple[float, float],
+    trials: tuple[int, int],
+    *,
+    margin: float | None = None,
+    confidence: float = 0.95,
+) -> float:
+    """The probability of showing agreement within ``margin``, or (without one) a difference, with so many trials and these true
+    rates. Normal approximation.
+
+    >>> 0.8 <= power((0.9, 0.8), (197, 197)) < 0.81
+    True
+    """
+    return _stats.power(rates, trials, margin, confidence)
+
+
+def paired(
+    first: Iterable[Any] | None = None,
+    second: Iterable[Any] | None = None,
+    *,
+    pairs: int | None = None,
+    only_first: int | None = None,
+    only_second: int | None = None,
+    confidence: float = 0.95,
+) -> Paired:
+    """The same scenarios with two systems: outcomes (true or false) in the same order, or the counts of pairs.
+
+    Counting both alone would take the pairs for independent samples.
+
+    >>> found = paired(pairs=100, only_first=3, only_second=13)
+    >>> round(found.difference, 2), round(found.low, 4), round(found.high, 4), round(found.p_value, 3)
+    (0.1, 0.0244, 0.1855, 0.021)
+    """
+    if first is not None and second is not None:
+        one, other = [bool(it) for it in first], [bool(it) for it in second]
+        if len(one) != len(other):
+            message = f"the first has {len(one)} outcomes and the second {len(other)}"
+            raise Problem("bad-statistics", message, remedy="give both the same scenarios in the same order")
+        pairs = len(one)
+        only_first = sum(a and not b for a, b in zip(one, other))
+        only_second = sum(b and not a for a, b in zip(one, other))
+    if pairs is None or only_first is None or only_second is None:
+        message = "pairs are given by two lists of outcomes, or by all three counts"
+        raise Problem("bad-statistics", message, remedy="write paired(first, second)")
+    change, (low, high), p_value = _stats.paired(pairs, only_first, only_second, confidence)
+    return Paired(pairs, only_first, only_second, change, low, high, p_value, confidence)
+
+
+def holm(p_values: Iterable[float]) -> list[float]:
+    """p-values adjusted for their number (Holm), in the order given; NaN counts as 1.
+
+    >>> holm([0.01, 0.04, 0.03])
+    [0.03, 0.06, 0.06]
+    """
+    return _stats.holm(list(p_values))
+
+
+def heterogeneity(counts: Sequence[Counts], *, confidence: float = 0.95) -> Heterogeneity:
+    """Whether several rates are equal, and their mean with random effects (DerSimonian and Laird, of log odds).
+
+    >>> heterogeneity([(90, 100), (60, 100), (95, 100)]).p_value < 0.001
+    True
+    """
+    (q, degrees, p_value), (i_squared, tau_squared), (pooled, (low, high)) = _stats.heterogeneity(list(counts), confidence)
+    return Heterogeneity(q, degrees, p_value, i_squared, tau_squared, pooled, low, high, confidence)
