@@ -290,7 +290,7 @@ def _times(times: Any) -> NDArray[np.float64]:
 def _known_units(units: Mapping[str, str], columns: Mapping[str, Any]) -> None:
     for name in units:
         if name not in columns:
-            message = f"`{name}` has a unit and is no column (these are {', '.join(columns)})"
+            message = f"`{name}` has a unit, and there is no such column (these are {', '.join(columns)})"
             raise Problem("bad-signals", message, remedy="correct the name")
 
 
