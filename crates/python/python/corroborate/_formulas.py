@@ -158,7 +158,7 @@ class Formula:
         Args:
             times: seconds, one for each sample, shape ``(samples,)``; or a data frame of pandas or polars (or a mapping of
                 columns), whose column ``time_column`` has them.
-            signals: a mapping from names to columns, for names that are no words of Python.
+            signals: a mapping from names to columns, for names that cannot be arguments.
             units: the unit of columns that have one, for example ``{"speed": "mm/s"}``. Robustness is in SI units.
             complete: ``False`` if the trace was cut short: then nothing is said of what came behind.
             time_column: where a data frame has the times.
@@ -166,7 +166,7 @@ class Formula:
                 lie; others are converted.
 
         Raises:
-            Problem: a name that is no column, units that do not fit, times that are not in order.
+            Problem: a name without a column, units that do not fit, times that are not in order.
         """
         if times is not None and (hasattr(times, "columns") or isinstance(times, Mapping)):
             table = {str(name): times[name] for name in (times.columns if hasattr(times, "columns") else times)}
@@ -290,7 +290,7 @@ def _times(times: Any) -> NDArray[np.float64]:
 def _known_units(units: Mapping[str, str], columns: Mapping[str, Any]) -> None:
     for name in units:
         if name not in columns:
-            message = f"`{name}` has a unit and is no column (these are {', '.join(columns)})"
+            message = f"`{name}` has a unit, and there is no such column (these are {', '.join(columns)})"
             raise Problem("bad-signals", message, remedy="correct the name")
 
 

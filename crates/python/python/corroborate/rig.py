@@ -20,6 +20,8 @@ simulation:
 
     rig.serve(Cart)
 
+The ledger's entry:
+
 .. code-block:: toml
 
     [[evidence]]
