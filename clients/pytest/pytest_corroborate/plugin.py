@@ -66,9 +66,15 @@ def pytest_configure_node(node):
 
 
 @pytest.fixture
-def seed(request):
-    """The seed of this trial."""
+def corroborate_seed(request):
+    """The seed of this trial, for fixtures that are called `seed` themselves."""
     return getattr(request.node, "_corroborate_seed", None)
+
+
+@pytest.fixture
+def seed(corroborate_seed):
+    """The seed of this trial."""
+    return corroborate_seed
 
 
 def _mark(item):
@@ -164,8 +170,12 @@ class _Repeated:
 
     def _decided(self):
         """Runs trials until the judge has heard enough; what it says then."""
-        if "seed" not in self.item.fixturenames:
-            raise JudgeError("a test of a requirement takes `seed`: its trials would all be the same")
+        # `seed` takes it, unless it is a fixture of the user's own.
+        if "corroborate_seed" not in self.item.fixturenames:
+            raise JudgeError(
+                "a test of a requirement takes `seed`, or a fixture of yours that takes `corroborate_seed`: "
+                "without it its trials would all be the same"
+            )
         again = ["pytest", self.nodeid, "--corroborate-seed", "{seed}"]
         path = program(self.item.config.getoption("corroborate_program"))
         judge = Judge(path, self.name, self.settings, again, self._out())

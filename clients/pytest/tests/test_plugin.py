@@ -124,3 +124,38 @@ def test_no_seed():
     result = run("test_wrong.py")
     result.assert_outcomes(failed=2)
     result.stdout.fnmatch_lines(["*bad-rule*", "*takes `seed`*"])
+
+
+def test_a_seed_of_the_users_own_has_to_follow_from_ours(run, pytester):
+    pytester.makepyfile(
+        test_own="""
+import pytest
+import pytest_corroborate as corroborate
+
+@pytest.fixture(params=["ours", "theirs"])
+def seed(request, corroborate_seed):
+    return corroborate_seed if request.param == "ours" else 5
+
+@corroborate.requirement("A", margin=0.04)
+def test_it(seed, corroborate_seed):
+    assert seed == corroborate_seed
+"""
+    )
+    run("test_own.py").assert_outcomes(passed=1, failed=1)
+    pytester.makepyfile(
+        test_fixed="""
+import pytest
+import pytest_corroborate as corroborate
+
+@pytest.fixture
+def seed():
+    return 5
+
+@corroborate.requirement("A")
+def test_it(seed):
+    pass
+"""
+    )
+    result = run("test_fixed.py")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["*takes `corroborate_seed`*"])

@@ -393,7 +393,7 @@ mod tests {
             state ^= state << 13;
             state ^= state >> 7;
             state ^= state << 17;
-            (state % limit as u64) as usize
+            (state % limit.max(1) as u64) as usize
         };
         let (mut counted, mut refused) = (0, 0);
         for _ in 0..2000 {
@@ -401,7 +401,7 @@ mod tests {
             for _ in 0..=below(3) {
                 let at = below(bytes.len());
                 match below(4) {
-                    0 => bytes[at] = below(256) as u8,
+                    0 if !bytes.is_empty() => bytes[at] = below(256) as u8,
                     1 => drop(bytes.drain(at..(at + below(20)).min(bytes.len()))),
                     2 => {
                         let piece = bytes[at..(at + below(60)).min(bytes.len())].to_vec();
@@ -418,6 +418,6 @@ mod tests {
                 }
             }
         }
-        assert!(counted > 100 && refused > 100, "{counted} {refused}");
+        assert!(counted > 20 && refused > 1000, "{counted} {refused}");
     }
 }
