@@ -125,8 +125,12 @@ pub fn counting_undecided(
     };
     let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
     let all = findings.into_iter();
-    all.map(|finding| finding.counting_undecided(level, &counted).map_err(bad))
-        .collect()
+    all.map(|finding| match finding.completions {
+        // A technique knows better how its trials were counted.
+        Some(_) => Ok(finding),
+        None => finding.counting_undecided(level, &counted).map_err(bad),
+    })
+    .collect()
 }
 
 /// Counts as a measure, with Wilson's interval at the effective number of

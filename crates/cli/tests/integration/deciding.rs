@@ -85,10 +85,11 @@ fn a_rate_is_decided_at_the_same_trial_whoever_runs_how_many_at_a_time() {
     let counts = names.map(|name| one["counts"][name].as_u64().expect("a count"));
     assert_eq!(counts, counted);
     let table = format!(
-        "REQ-7,{},{},{}\n",
-        counts[0] + counts[1] + counts[2],
+        "REQ-7,{},{},{},{},yes\n",
+        counts[0] + counts[1],
         counts[0],
-        counts[1] + counts[2]
+        counts[1],
+        counts[2]
     );
     assert!(read(&folder.path().join("one/requirements.csv")).ends_with(&table));
 }
@@ -415,4 +416,71 @@ fn its_table_is_an_experiment_of_a_study() {
     let [count, trials] = ["count", "trials"].map(|key| measure[key].clone());
     assert_eq!(count, decided["counts"]["passed"], "{measure}");
     assert_eq!(trials, decided["trials"]);
+    // Stopped by what was seen: at least as wide as an interval of trials whose number was fixed.
+    let sample = stats::Sample::new(
+        count.as_u64().expect("a count"),
+        trials.as_u64().expect("trials"),
+    );
+    let sample = sample.expect("counts");
+    let fixed = stats::wilson(sample.into(), stats::Confidence::P95);
+    let low = measure["interval"]["low"].as_f64().expect("a limit");
+    assert!(low < fixed.low - 0.01, "{measure} beside {fixed:?}");
+}
+
+#[test]
+fn a_table_says_what_is_undecided_and_that_it_was_stopped() {
+    let study = Study::new();
+    let of = |more: &str| {
+        study.write(
+            "docking/requirements.csv",
+            format!("requirement,covered,passed,failed{more}"),
+        );
+        study.run(&["run", "study", "--format", "json"])
+    };
+    let ledger = read(&study.path("ledger.toml"));
+    let entry = "\n[[evidence]]\nid = \"E3\"\ntitle = \"Trials\"\ntechnique = \"experiment\"\n\
+                 conditions = \"typical\"\ntables.requirements = \"docking/requirements.csv\"\nchanged = \"Counted.\"\n";
+    study.write("ledger.toml", ledger + entry);
+    std::fs::create_dir_all(study.path("docking")).expect("a folder");
+    let finding = |said: &Said| {
+        let result: Value = serde_json::from_str(&said.out).expect("JSON");
+        let pieces = result["evidence"].as_array().expect("evidence");
+        let piece = pieces.iter().find(|it| it["id"] == "E3").expect("E3");
+        let mut findings = piece["findings"].as_array().expect("findings").iter();
+        findings
+            .find(|it| it["subject"]["id"] == "2")
+            .expect("of 2")
+            .clone()
+    };
+    let limits = |it: &Value| {
+        ["low", "high"].map(|end| it["measure"]["interval"][end].as_f64().expect("a limit"))
+    };
+    let plain = finding(&of("\n2,60,57,3\n"));
+    let undecided = finding(&of(",undecided\n2,60,57,3,15\n"));
+    assert_eq!(
+        (&undecided["undecided"], &plain["undecided"]),
+        (&15.into(), &0.into())
+    );
+    // 57 of 75 at the least, 72 of 75 at the most.
+    let end = |successes| {
+        let sample = stats::Sample::new(successes, 75).expect("counts");
+        stats::wilson(sample.into(), stats::Confidence::P95)
+    };
+    let [low, high] = limits(&undecided);
+    assert!(
+        (low - end(57).low).abs() < 1e-12 && (high - end(72).high).abs() < 1e-12,
+        "{undecided}"
+    );
+    let stopped = finding(&of(",stopped\n2,60,57,3,yes\n"));
+    let ([low, high], [plain_low, plain_high]) = (limits(&stopped), limits(&plain));
+    assert!(
+        low < plain_low && high > plain_high,
+        "{stopped} beside {plain}"
+    );
+    let wrong = of(",stopped\n2,60,57,3,perhaps\n");
+    assert_eq!(wrong.code, 2, "{wrong:?}");
+    assert!(
+        wrong.talk.contains("requirements.csv:2") && wrong.talk.contains("`yes`"),
+        "{wrong:?}"
+    );
 }

@@ -2,7 +2,8 @@
 
 use super::journal::Trial;
 use super::report::DecideReport;
-use diagnostic::{Problem, counted};
+use super::rule::OnError;
+use diagnostic::Problem;
 use host::files::write_whole;
 use std::fmt::Write;
 use std::path::Path;
@@ -76,22 +77,22 @@ fn rows(trials: &[Trial]) -> String {
     text
 }
 
-/// Broken trials are not passed here: a table has no place for what is unknown.
+/// Trials whose harness broke are undecided where they do not count as failures.
 fn table(report: &DecideReport) -> String {
-    let failed = report.trials - report.counts.passed;
-    let broken = match report.counts.errors {
-        0 => String::new(),
-        errors => format!("; {} broken, counted as failed", counted(errors, "trial")),
+    let counts = report.counts;
+    let (failed, undecided) = match report.on_error {
+        OnError::Unknown => (counts.failed, counts.errors),
+        OnError::Failure => (counts.failed + counts.errors, 0),
     };
     format!(
-        "# Stopped by a sequential test: at least {} at {}, margin {}{broken}.\n\
-         requirement,covered,passed,failed\n{},{},{},{failed}\n",
+        "# Stopped by a sequential test: at least {} at {}, margin {}.\n\
+         requirement,covered,passed,failed,undecided,stopped\n{},{},{},{failed},{undecided},yes\n",
         report.at_least,
         report.confidence,
         report.margin,
         field(&report.requirement),
-        report.trials,
-        report.counts.passed
+        counts.passed + failed,
+        counts.passed
     )
 }
 

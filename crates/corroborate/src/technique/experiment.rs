@@ -4,7 +4,8 @@
 //!   names it, `attempts` counts trials, and the columns that the vocabulary
 //!   binds count what happened. A binding `failure_modes: R` counts the code
 //!   `R` in a column of codes.
-//! * *requirements* has the columns requirement, covered, passed, failed.
+//! * *requirements* has the columns requirement, covered, passed, failed; and, where that matters, `undecided`, the trials beside
+//!   those covered that reached no verdict, and `stopped`, `yes` if the number of trials was chosen by looking at them.
 //! * *failure modes* has the columns mode, occurrences, opportunities.
 //! * JUnit XML of runs, whose test cases are trials (`junit.rs`).
 //!
@@ -22,6 +23,7 @@ mod tests_of_cohort;
 
 pub use by_subject::SubjectCount;
 
+use super::campaign::anytime;
 use super::files::Files;
 use super::{Produced, confidence, counts};
 use alike::Alike;
@@ -62,6 +64,10 @@ struct VerdictRow {
     requirement: String,
     covered: u64,
     passed: u64,
+    /// Trials that reached no verdict.
+    undecided: u64,
+    /// Whether the number of trials was chosen by looking at them.
+    is_stopped: bool,
 }
 
 #[derive(Debug)]
@@ -130,13 +136,17 @@ impl Tables {
                 measure: self.measure(study, form, alike.as_mut())?,
                 denominator: self.denominator(form),
                 trigger: self.trigger(study, &form.subject)?,
-                undecided: self.of_junit(&form.subject).map_or(0, |it| it.unknown),
+                undecided: self.row(&form.subject).map_or(0, |row| row.undecided),
                 completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             };
             let level = confidence(study.about.confidence)?;
-            let counted = |sample| evidence::Measure::of_counts(sample, None, level);
+            let is_stopped = self.is_stopped(&form.subject);
+            let counted = |sample| match is_stopped {
+                true => Ok(anytime(sample, level)),
+                false => Measure::of_counts(sample, None, level),
+            };
             let finding = finding.counting_undecided(level, &counted);
             findings.push(finding.map_err(|error| Problem::new("bad-counts", error.to_string()))?);
         }
@@ -184,10 +194,24 @@ impl Tables {
                 requirement: id.clone(),
                 covered: one.passed + one.failed,
                 passed: one.passed,
+                undecided: one.unknown,
+                is_stopped: false,
             });
         }
         self.of_runs = counted;
         Ok(())
+    }
+
+    /// The row of a requirement.
+    fn row(&self, subject: &Subject) -> Option<&VerdictRow> {
+        let Subject::Requirement(id) = subject else {
+            return None;
+        };
+        self.requirements.iter().find(|row| &row.requirement == id)
+    }
+
+    fn is_stopped(&self, subject: &Subject) -> bool {
+        self.row(subject).is_some_and(|row| row.is_stopped)
     }
 
     fn of_junit(&self, subject: &Subject) -> Option<&junit::Counted> {
@@ -233,6 +257,12 @@ impl Tables {
             }
             (_, _, Some((_, 0))) => Ok(not_covered(uncovered)),
             (Some(alike), _, Some((count, trials))) => alike.total(form, (count, trials), level),
+            (None, _, Some((count, trials))) if self.is_stopped(&form.subject) => {
+                let sample = stats::Sample::new(count, trials);
+                let sample =
+                    sample.map_err(|error| Problem::new("bad-counts", error.to_string()))?;
+                Ok(anytime(sample, level))
+            }
             (None, _, Some((count, trials))) => counts(count, trials, None, level),
             (_, _, None) => Ok(not_covered("The tables do not count it.")),
         }
@@ -383,6 +413,10 @@ impl Tables {
         }
         for row in &self.requirements {
             inputs.add_json(&row.requirement, &(row.covered, row.passed));
+            // A table without these columns has the inputs that it had before there were any.
+            if row.undecided > 0 || row.is_stopped {
+                inputs.add_json(&row.requirement, &("beside", row.undecided, row.is_stopped));
+            }
         }
         for row in &self.failure_modes {
             inputs.add_json(&row.mode, &(row.occurrences, row.opportunities));
@@ -525,6 +559,15 @@ fn verdict_rows(study: &Study, table: &Table) -> Result<Vec<VerdictRow>, Problem
         .map_err(table_problem)?
         .as_texts();
     let (covered, passed, failed) = (column("covered")?, column("passed")?, column("failed")?);
+    let has = |name: &str| table.columns().any(|it| it.header() == name);
+    let undecided = match has("undecided") {
+        true => column("undecided")?,
+        false => vec![0; ids.len()],
+    };
+    let stopped = match has("stopped") {
+        true => table.column("stopped").map_err(table_problem)?.as_texts(),
+        false => vec!["no"; ids.len()],
+    };
     check_unique(table, &ids)?;
     let mut rows = Vec::new();
     for (row, id) in ids.iter().enumerate() {
@@ -540,6 +583,17 @@ fn verdict_rows(study: &Study, table: &Table) -> Result<Vec<VerdictRow>, Problem
             requirement: (*id).to_owned(),
             covered: covered[row],
             passed: passed[row],
+            undecided: undecided[row],
+            is_stopped: match stopped[row].trim() {
+                "yes" => true,
+                "no" => false,
+                other => {
+                    let message = format!("column \"stopped\": `{other}` is neither `yes` nor `no`");
+                    return Err(in_row(table, row, "bad-counts", message).remedy(
+                        "write `yes` if trials went on until what they showed was enough, `no` if their number was fixed",
+                    ));
+                }
+            },
         });
     }
     Ok(rows)
