@@ -422,7 +422,7 @@ fn its_table_is_an_experiment_of_a_study() {
         trials.as_u64().expect("trials"),
     );
     let sample = sample.expect("counts");
-    let fixed = stats::wilson(sample.into(), stats::Confidence::P95);
+    let fixed = stats::wilson(sample, stats::Confidence::P95);
     let low = measure["interval"]["low"].as_f64().expect("a limit");
     assert!(low < fixed.low - 0.01, "{measure} beside {fixed:?}");
 }
@@ -464,7 +464,7 @@ fn a_table_says_what_is_undecided_and_that_it_was_stopped() {
     // 57 of 75 at the least, 72 of 75 at the most.
     let end = |successes| {
         let sample = stats::Sample::new(successes, 75).expect("counts");
-        stats::wilson(sample.into(), stats::Confidence::P95)
+        stats::wilson(sample, stats::Confidence::P95)
     };
     let [low, high] = limits(&undecided);
     assert!(
