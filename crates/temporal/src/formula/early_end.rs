@@ -7,7 +7,7 @@
 //! of the horizon. (A second of samples at 100 Hz ends 10 ms early, and says nonetheless what a second says.)
 //!
 //! Of a short trace, what lies behind its end within a bounded window is unknown, and what lies there otherwise is
-//! nothing, as with [`Ending::Finite`](super::Ending::Finite). With an atom `u` that is always unknown, and `cut` for
+//! nothing, as with [`Ending::Finite`]. With an atom `u` that is always unknown, and `cut` for
 //! "no sample comes as late as the window ends", `!eventually[high, inf) true` (of a window without an end "begins", with `low`):
 //!
 //! ```text
