@@ -35,6 +35,14 @@ def requirement(
     on_error    what these count for: "unknown" (against either answer) or "failure"
     stream      the stream that seeds are drawn from
     """
+    for setting, value in [("max_trials", max_trials), ("max_errors", max_errors)]:
+        least = 1 if setting == "max_trials" else 0
+        if not isinstance(value, int) or isinstance(value, bool) or value < least:
+            raise ValueError(
+                "requirement {}: {} must be a whole number of at least {} (got {!r})".format(
+                    name, setting, least, value
+                )
+            )
     return pytest.mark.corroborate_requirement(
         name,
         at_least=at_least,

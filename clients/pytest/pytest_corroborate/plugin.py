@@ -306,7 +306,7 @@ def pytest_sessionfinish(session):
         with open(table, encoding="utf-8") as file:
             lines = [line for line in file if not line.startswith("#")]
         for line in lines[1:]:
-            requirement = line.rsplit(",", 3)[0]
+            requirement = line.rsplit(",", 5)[0]
             if requirement in seen:
                 config.issue_config_time_warning(
                     pytest.PytestWarning(
@@ -320,7 +320,7 @@ def pytest_sessionfinish(session):
             seen.add(requirement)
             rows.append(line)
     with open(os.path.join(folder, "requirements.csv"), "w", encoding="utf-8") as file:
-        file.write("requirement,covered,passed,failed\n" + "".join(rows))
+        file.write("requirement,covered,passed,failed,undecided,stopped\n" + "".join(rows))
 
 
 def pytest_terminal_summary(terminalreporter):

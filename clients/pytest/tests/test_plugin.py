@@ -70,7 +70,8 @@ def test_each_test_is_decided_once_and_its_trials_are_kept(run, pytester):
     assert len(trials) > 40
     assert all(outcome == expected(int(seed)) for _, seed, outcome in trials)
     table = rows(pytester.path / "out/requirements.csv")
-    assert table[0] == ["requirement", "covered", "passed", "failed"]
+    assert table[0] == ["requirement", "covered", "passed", "failed", "undecided", "stopped"]
+    assert all(len(row) == len(table[0]) and row[-1] == "yes" for row in table[1:])
     assert sorted(row[0] for row in table[1:]) == ["REQ-7", "REQ-8", "REQ-9"]
     cases = ElementTree.parse(pytester.path / "j.xml").iter("testcase")
     verified = {}
@@ -159,3 +160,19 @@ def test_it(seed):
     result = run("test_fixed.py")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(["*takes `corroborate_seed`*"])
+
+
+@pytest.mark.parametrize("settings", ["max_trials=0", "max_trials=-1", "max_trials=2.5", "max_errors=-1"])
+def test_a_number_of_trials_that_is_none_is_refused_where_it_stands(pytester, settings):
+    pytester.makepyfile(
+        """
+        import pytest_corroborate as corroborate
+
+        @corroborate.requirement("REQ-7", {})
+        def test_bad(seed):
+            pass
+        """.format(settings)
+    )
+    found = pytester.runpytest_subprocess()
+    assert found.ret == 2
+    found.stdout.fnmatch_lines(["*requirement REQ-7: {} must be a whole number*".format(settings.split("=")[0])])

@@ -294,10 +294,11 @@ fn ending(name: &str) -> PyResult<Ending> {
         "weak" => Ok(Ending::Weak),
         "strong" => Ok(Ending::Strong),
         "finite" => Ok(Ending::Finite),
+        "long_enough" => Ok(Ending::LongEnough),
         other => Err(unknown(
             "ending",
             other,
-            "finite, inconclusive, weak, strong",
+            "long_enough, finite, inconclusive, weak, strong",
         )),
     }
 }

@@ -52,6 +52,7 @@ fn monitored(asked: &Asked) -> PyResult<Monitored> {
     Ok(Monitored::Formulas {
         texts: asked.formulas.clone(),
         ending: match asked.ending.as_str() {
+            "long_enough" => Ending::LongEnough,
             "finite" => Ending::Finite,
             "inconclusive" => Ending::Inconclusive,
             "weak" => Ending::Weak,

@@ -28,9 +28,11 @@ def test_verdict_robustness_coverage_and_explanation():
 
 def test_parameters_and_endings():
     times = [0.0, 1.0]
-    for ending, verdict in [("finite", "violated"), ("inconclusive", "inconclusive"), ("weak", "satisfied"), ("strong", "violated")]:
+    for ending, verdict in [("long_enough", "inconclusive"), ("finite", "violated"), ("inconclusive", "inconclusive"), ("weak", "satisfied"), ("strong", "violated")]:
         formula = Formula("eventually[0, deadline] x > 0", parameters={"deadline": 5.0}, ending=ending)
         assert formula.judge(times, x=[-1.0, -2.0]).verdict == verdict
+    assert Formula("eventually[0, 5 s] x > 0").judge(times, x=[-1.0, -2.0]).verdict is Verdict.INCONCLUSIVE
+    assert Formula("eventually[0, 5 s] x > 0").judge(times, x=[-1.0, 2.0]).verdict is Verdict.SATISFIED
     cut = Formula("eventually[0, 5 s] x > 0").judge(times, x=[-1.0, -2.0], complete=False)
     assert cut.verdict is Verdict.INCONCLUSIVE
 

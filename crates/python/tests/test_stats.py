@@ -116,6 +116,15 @@ def test_holm_is_that_of_scipys_neighbours():
         lambda: stats.power((2.0, 0.5), (10, 10)),
         lambda: stats.clustering([]),
         lambda: stats.trials_per_arm((0.9, 0.8), power=1.0),
+        lambda: stats.clusters_of([1.0, math.nan], ["a", "a"]),
+        lambda: stats.clusters_of([True, None], ["a", "a"]),
+        lambda: stats.clusters_of(["True", "False"], ["a", "a"]),
+        lambda: stats.clusters_of([0.3], ["a"]),
+        lambda: stats.paired([True, math.nan], [True, True]),
+        lambda: stats.RunningRate().observe(None),
+        lambda: stats.continued_rate([(9, 10), (5, 8)]),
+        lambda: stats.continued_rate([(9, 10), (9, 9)]),
+        lambda: stats.holm([2, -1]),
     ],
 )
 def test_what_makes_no_sense_is_a_problem(wrong):

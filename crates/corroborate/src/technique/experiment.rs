@@ -23,7 +23,7 @@ mod tests_of_cohort;
 
 pub use by_subject::SubjectCount;
 
-use super::campaign::anytime;
+use super::campaign::stopped;
 use super::files::Files;
 use super::{Produced, confidence, counts};
 use alike::Alike;
@@ -144,7 +144,7 @@ impl Tables {
             let level = confidence(study.about.confidence)?;
             let is_stopped = self.is_stopped(&form.subject);
             let counted = |sample| match is_stopped {
-                true => Ok(anytime(sample, level)),
+                true => Ok(stopped(sample, level)),
                 false => Measure::of_counts(sample, None, level),
             };
             let finding = finding.counting_undecided(level, &counted);
@@ -261,7 +261,7 @@ impl Tables {
                 let sample = stats::Sample::new(count, trials);
                 let sample =
                     sample.map_err(|error| Problem::new("bad-counts", error.to_string()))?;
-                Ok(anytime(sample, level))
+                Ok(stopped(sample, level))
             }
             (None, _, Some((count, trials))) => counts(count, trials, None, level),
             (_, _, None) => Ok(not_covered("The tables do not count it.")),

@@ -29,7 +29,7 @@ __all__ = [
     "monitor",
 ]
 
-Ending = Literal["finite", "inconclusive", "weak", "strong"]
+Ending = Literal["long_enough", "finite", "inconclusive", "weak", "strong"]
 PathLike = Union[str, os.PathLike[str]]
 
 
@@ -107,20 +107,25 @@ class Formula:
     """A formula of metric or signal temporal logic.
 
     Args:
-        text: for example ``always (near => eventually[0, 2 s] speed < 250 mm/s)``. All of the language is in ``corroborate
-            explain formula``. Names are columns; signals of recordings are written ``/topic.field``.
+        text: for example ``always (near => eventually[0, 2 s] speed < 250 mm/s)``. ``corroborate explain formula``
+            has the operators. Names are columns; signals of recordings are written ``/topic.field``.
         parameters: values in seconds of names that stand in intervals.
         time: ``discrete`` (only samples count) or ``dense`` (signals have values between samples).
         interpolation: in dense time, ``hold`` (the last value) or ``linear`` (robustness in straight lines).
-        ending: what is said of times behind the end: ``finite`` (the trace is all there is), ``inconclusive`` (nothing),
-            ``weak`` (the benefit of the doubt), ``strong`` (none).
+        ending: what is said of times behind the end: ``long_enough`` (the trace is all there is, if it is as long as the bounded
+            windows of the formula reach; a shorter one leaves open what they do not see), ``finite`` (it is all there is),
+            ``inconclusive`` (nothing), ``weak`` (the benefit of the doubt), ``strong`` (none).
+
+    A number without a unit has that of the signal it is compared with.
 
     >>> formula = Formula("always (speed < 0.25)")
     >>> found = formula.judge([0.0, 0.5, 1.0], speed=[0.1, 0.3, 0.2])
     >>> found.verdict, round(found.robustness.value, 9), found.explanation.to_secs
     (<Verdict.VIOLATED: 'violated'>, -0.05, 0.5)
-    >>> formula.judge([0.0, 0.5], speed=[100.0, 300.0], units={"speed": "mm/s"}).verdict.value
-    'violated'
+    >>> Formula("always (speed < 0.25 m/s)").judge([0.0, 0.5], speed=[100.0, 200.0], units={"speed": "mm/s"}).verdict.value
+    'satisfied'
+    >>> Formula("always[0, 10 s] (speed < 0.25)").judge([0.0, 5.0], speed=[0.1, 0.1]).verdict.value    # five seconds are not ten
+    'inconclusive'
     """
 
     __slots__ = ("_formula", "ending", "text", "time")
@@ -132,7 +137,7 @@ class Formula:
         parameters: Mapping[str, float] = {},
         time: Literal["discrete", "dense"] = "discrete",
         interpolation: Literal["hold", "linear"] = "hold",
-        ending: Ending = "finite",
+        ending: Ending = "long_enough",
     ) -> None:
         self._formula = _engine.Formula(text, dict(parameters), time, interpolation, ending)
         self.text, self.time, self.ending = text, time, ending
@@ -364,7 +369,7 @@ def monitor(
         progress: called with each event, a dictionary.
     """
     read = [it if isinstance(it, Formula) else Formula(it) for it in formulas]
-    kinds = {(it.time, it.ending) for it in read} or {("discrete", "finite")}
+    kinds = {(it.time, it.ending) for it in read} or {("discrete", "long_enough")}
     if len(kinds) > 1:
         raise Problem("bad-setting", "the formulas differ in `time` or `ending`", remedy="judge them one after another")
     ((time, ending),) = kinds

@@ -267,6 +267,18 @@ def equivalence(
     return Equivalence(margin, _stats.equivalence(first, second, margin, method), method)
 
 
+def _succeeded(outcome: Any) -> bool:
+    """An outcome that is true or false, 1 or 0: what is missing or something else counts neither way."""
+    try:
+        is_truth = not isinstance(outcome, (str, bytes)) and bool(outcome == 0 or outcome == 1)
+    except (TypeError, ValueError):
+        is_truth = False
+    if not is_truth:
+        message = f"an outcome is `{outcome}`, which is neither true nor false"
+        raise Problem("bad-statistics", message, remedy="leave out trials without an outcome, and write True or False, or 1 or 0")
+    return bool(outcome)
+
+
 def clusters_of(outcomes: Iterable[Any], groups: Iterable[Any]) -> list[Counts]:
     """Counts of each cluster, from one outcome (true or false) and one label for each trial, in the order in which the labels
     come first. Lists, arrays and columns of data frames do.
@@ -281,7 +293,7 @@ def clusters_of(outcomes: Iterable[Any], groups: Iterable[Any]) -> list[Counts]:
         raise Problem("bad-statistics", message, remedy="give each trial one of both")
     for outcome, group in zip(outcomes, groups):
         counts = found.setdefault(group, [0, 0])
-        counts[0] += bool(outcome)
+        counts[0] += _succeeded(outcome)
         counts[1] += 1
     return [(successes, trials) for successes, trials in found.values()]
 
@@ -333,7 +345,7 @@ class RunningRate:
 
     def observe(self, success: bool) -> tuple[float, float]:
         """Takes one more trial; gives the ends of the interval now."""
-        return self._running.observe(bool(success))
+        return self._running.observe(_succeeded(success))
 
     @property
     def low(self) -> float:
@@ -375,6 +387,10 @@ def continued_rate(looks: Sequence[Counts], *, confidence: float = 0.95) -> Rate
     >>> twice.trials
     20
     """
+    for (before, all_before), (now, all_now) in zip(looks, looks[1:]):
+        if now < before or all_now - now < all_before - before:
+            message = f"{now} of {all_now} cannot come after {before} of {all_before}"
+            raise Problem("bad-statistics", message, remedy="give all trials so far at each look, the earlier ones among them")
     low, high = _stats.continued_interval(list(looks), confidence)
     successes, trials = looks[-1] if looks else (0, 0)
     return Rate(successes, trials, low, high, confidence, "continued")
@@ -432,7 +448,7 @@ def paired(
     (0.1, 0.0244, 0.1855, 0.021)
     """
     if first is not None and second is not None:
-        one, other = [bool(it) for it in first], [bool(it) for it in second]
+        one, other = [_succeeded(it) for it in first], [_succeeded(it) for it in second]
         if len(one) != len(other):
             message = f"the first has {len(one)} outcomes and the second {len(other)}"
             raise Problem("bad-statistics", message, remedy="give both the same scenarios in the same order")
@@ -452,7 +468,11 @@ def holm(p_values: Iterable[float]) -> list[float]:
     >>> holm([0.01, 0.04, 0.03])
     [0.03, 0.06, 0.06]
     """
-    return _stats.holm(list(p_values))
+    values = list(p_values)
+    for value in values:
+        if value < 0 or value > 1:
+            raise Problem("bad-statistics", f"{value} is not a p-value", remedy="give numbers from 0 to 1")
+    return _stats.holm(values)
 
 
 def heterogeneity(counts: Sequence[Counts], *, confidence: float = 0.95) -> Heterogeneity:

@@ -6,7 +6,8 @@
 //! one file, the first case of each test in it making the first trial, the second the next. What stands in brackets behind a test's
 //! name (`test_grasp[3-10]`) tells trials of one test apart.
 //!
-//! A trial fails if one of its cases fails; it is unknown if one ended with an error of the harness and none failed; it passes if
+//! A case without an element of its outcome shows what its attributes `status` and `result` say (`notrun`, `disabled`, `fail`, ...), and
+//! else that it passed. A trial fails if one of its cases fails; it is unknown if one ended with an error of the harness and none failed; it passes if
 //! one passed and the others did not apply. A case that was tried again (`flakyFailure`, `rerunFailure` and the same of errors) shows
 //! each of its tries: what passed in the end is not all that was seen.
 //!
@@ -139,7 +140,7 @@ impl Gathered<'_> {
             return Err(bad(source, head(root), message));
         }
         self.files.push(path);
-        let mut seen = BTreeMap::new();
+        let mut seen = Seen::default();
         let cases = root.descendants().filter(|it| it.has_tag_name("testcase"));
         for case in cases {
             self.case(source, case, &mut seen)?;
@@ -147,12 +148,11 @@ impl Gathered<'_> {
         Ok(())
     }
 
-    /// `seen` has how often each test was met without a seed in this file.
     fn case(
         &mut self,
         source: &Source,
         case: Node<'_, '_>,
-        seen: &mut BTreeMap<String, u64>,
+        seen: &mut Seen,
     ) -> Result<(), Problem> {
         let test = test_name(case);
         let requirements = self.requirements(source, case, &test)?;
@@ -163,13 +163,13 @@ impl Gathered<'_> {
             let message = "this case reports a rate with its guarantee, not a trial".to_owned();
             return Err(bad(source, head(case), message));
         }
-        let seed = seed(case);
+        let seed = seen.seed(case);
         for shows in tries(case) {
             let (trial, name) = match &seed {
                 Some(seed) => (TrialId::Seed(seed.clone()), test.clone()),
                 None => {
                     let base = without_brackets(&test).to_owned();
-                    let number = seen.entry(base.clone()).or_default();
+                    let number = seen.met.entry(base.clone()).or_default();
                     *number += 1;
                     let (file, number) = (self.files.len() - 1, *number);
                     (TrialId::Of { file, number }, base)
@@ -268,6 +268,47 @@ impl Gathered<'_> {
     }
 }
 
+/// What was seen of a file.
+#[derive(Default)]
+struct Seen {
+    /// How often each test was met without a seed.
+    met: BTreeMap<String, u64>,
+    /// The seed of each suite by its place, with those around it: a suite of many cases is looked through once.
+    seeds: BTreeMap<usize, Option<String>>,
+}
+
+impl Seen {
+    /// The seed of a case, or that of the innermost suite that has one.
+    fn seed(&mut self, case: Node<'_, '_>) -> Option<String> {
+        let own = properties(case, "seed").next();
+        own.or_else(|| self.of_suite(case.parent()?))
+    }
+
+    fn of_suite(&mut self, suite: Node<'_, '_>) -> Option<String> {
+        let place = suite.range().start;
+        if let Some(known) = self.seeds.get(&place) {
+            return known.clone();
+        }
+        let own = properties(suite, "seed").next();
+        let seed = own.or_else(|| self.of_suite(suite.parent()?));
+        self.seeds.insert(place, seed.clone());
+        seed
+    }
+}
+
+/// What a case says of itself without an element for it: CTest and GoogleTest name tests that did not run in attributes.
+fn stated(case: Node<'_, '_>) -> Option<Shows> {
+    let words = ["status", "result"].into_iter();
+    let words = words.filter_map(|it| case.attribute(it));
+    let shows = words.filter_map(|word| match word.to_ascii_lowercase().as_str() {
+        "fail" | "failed" | "failure" => Some(Shows::Failed),
+        "error" => Some(Shows::Error),
+        "notrun" | "disabled" | "skipped" | "suppressed" => Some(Shows::Skipped),
+        _ => None,
+    });
+    shows.max()
+}
+
 /// The outcome of a case, and of the tries before it.
 fn tries(case: Node<'_, '_>) -> Vec<Shows> {
     let of = |names: [&str; 2]| {
@@ -283,7 +324,7 @@ fn tries(case: Node<'_, '_>) -> Vec<Shows> {
         (true, ..) => Shows::Failed,
         (_, true, _) => Shows::Error,
         (.., true) => Shows::Skipped,
-        (false, false, false) => Shows::Passed,
+        (false, false, false) => stated(case).unwrap_or(Shows::Passed),
     });
     tries
 }
@@ -302,12 +343,6 @@ fn properties<'a>(of: Node<'a, '_>, name: &'a str) -> impl Iterator<Item = Strin
             .trim()
             .to_owned()
     })
-}
-
-/// The seed of a case, or that of the innermost suite that has one.
-fn seed(case: Node<'_, '_>) -> Option<String> {
-    let mut places = case.ancestors();
-    places.find_map(|place| properties(place, "seed").next())
 }
 
 /// A test's name with what it is part of.
@@ -419,5 +454,53 @@ mod tests {
             }
         }
         assert!(counted > 20 && refused > 1000, "{counted} {refused}");
+    }
+
+    /// As CTest and GoogleTest write them, and with the words alone.
+    #[test]
+    fn what_did_not_run_is_no_success_and_what_failed_is_one_without_an_element() {
+        let (_folder, study) = study();
+        let verifies =
+            "<properties><property name=\"verifies\" value=\"1\"/></properties></testcase>";
+        let cases = [
+            "status=\"disabled\"",
+            "status=\"notrun\" result=\"suppressed\"",
+            "status=\"run\" result=\"completed\"",
+            "status=\"fail\"",
+            "result=\"failed\"",
+            "status=\"error\"",
+        ];
+        let cases = cases.iter().enumerate();
+        let cases: String = cases
+            .map(|(at, words)| format!("<testcase name=\"t\" {words}><!-- {at} -->{verifies}"))
+            .collect();
+        let text = format!("<testsuite name=\"s\">{cases}</testsuite>");
+        let counted = read_text(&study, text.as_bytes()).expect("read");
+        let [one] = &counted[..] else {
+            panic!("{counted:?}")
+        };
+        assert_eq!(
+            (one.passed, one.failed, one.unknown, one.skipped),
+            (1, 2, 1, 2)
+        );
+    }
+
+    /// A suite is looked through once for its seed, not once for each of its cases.
+    #[test]
+    fn cases_of_one_suite_have_its_seed_or_that_around_it() {
+        let (_folder, study) = study();
+        let case = "<testcase name=\"t\"><properties><property name=\"verifies\" value=\"1\"/></properties></testcase>";
+        let seed = |seed: u32| {
+            format!("<properties><property name=\"seed\" value=\"{seed}\"/></properties>")
+        };
+        let text = format!(
+            "<testsuites><testsuite name=\"a\">{}{case}{case}</testsuite><testsuite name=\"b\">{}<testsuite name=\"c\">{case}</testsuite>\
+             </testsuite></testsuites>",
+            seed(1),
+            seed(2)
+        );
+        let counted = read_text(&study, text.as_bytes()).expect("read");
+        // Both cases of the first suite are one trial: the same test with the same seed.
+        assert_eq!(counted[0].passed, 2, "{counted:?}");
     }
 }
