@@ -17,7 +17,10 @@
 use crate::outcome::{Ended, Outcome};
 use crate::results::{RESULT, read_result_file};
 use diagnostic::Problem;
-use evidence::{Conclusion, Evidence, Influences, Levels, StudyResult, Subject, Verdict, compare};
+use evidence::{
+    Conclusion, Direction, Evidence, Influences, Levels, Requirement, StudyResult, Subject,
+    Verdict, compare,
+};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -87,6 +90,17 @@ pub struct VerdictChange {
     pub statement: String,
 }
 
+/// What a requirement asks for in both results, where that is not the same: its verdicts are then answers to two questions.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct AskedChange {
+    /// The requirement.
+    pub requirement: String,
+    /// What it asked for: its threshold, and the margin within which rates agree.
+    pub before: String,
+    /// What it asks for now.
+    pub after: String,
+}
+
 /// A rate of evidence that was produced again.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RateChange {
@@ -104,7 +118,8 @@ pub struct RateChange {
     pub p_corrected: f64,
     /// Whether it changed beyond chance.
     pub beyond_chance: bool,
-    /// Whether it changed by more than the study's margin, within which two rates count as agreeing.
+    /// Whether it changed by more than the study's margin, within which two rates count as agreeing: the smaller one, if that was
+    /// changed, too.
     pub beyond_margin: bool,
     /// Whether the change is for the worse: fewer runs satisfy a requirement, or a failure occurs more often.
     pub worse: bool,
@@ -136,6 +151,8 @@ pub struct DiffReport {
     pub evidence: Vec<EvidenceChange>,
     /// Every requirement of either.
     pub verdicts: Vec<VerdictChange>,
+    /// Requirements of both that do not ask for the same.
+    pub asked: Vec<AskedChange>,
     /// The rates that could be compared, of evidence that was produced again.
     pub rates: Vec<RateChange>,
     /// Costs of evidence that was produced again.
@@ -159,7 +176,8 @@ pub fn diff(request: &DiffRequest) -> Result<DiffReport, Problem> {
         title: new.title.clone(),
         confidence: new.confidence,
         verdicts: verdict_changes(&old, &new),
-        rates: rate_changes(&new, &again)?,
+        asked: asked_changes(&old, &new),
+        rates: rate_changes(&old, &new, &again)?,
         costs: cost_changes(&old, &new, &again),
         evidence,
     })
@@ -286,8 +304,48 @@ fn is_worse(before: Option<&Conclusion>, after: Option<&Conclusion>) -> bool {
     (is_enough(before) && !is_enough(after)) || (is_bad(after) && !is_bad(before))
 }
 
+fn asked_changes(old: &StudyResult, new: &StudyResult) -> Vec<AskedChange> {
+    let changes = new.requirements.iter().filter_map(|now| {
+        let before = old.requirements.iter().find(|it| it.id == now.id)?;
+        let (before, after) = (asked(before), asked(now));
+        (before != after).then(|| AskedChange {
+            requirement: now.id.clone(),
+            before,
+            after,
+        })
+    });
+    changes.collect()
+}
+
+/// The threshold and the margin of a requirement in words.
+fn asked(requirement: &Requirement) -> String {
+    let threshold = match requirement.threshold {
+        None => "certainty".to_owned(),
+        Some(it) => match it.direction {
+            Direction::AtLeast => format!("at least {}", it.value),
+            Direction::AtMost => format!("at most {}", it.value),
+        },
+    };
+    format!("{threshold}, margin {}", requirement.margin)
+}
+
+/// The margin within which rates of a subject agree.
+fn margin(result: &StudyResult, subject: &Subject) -> Option<f64> {
+    match subject {
+        Subject::Requirement(id) => {
+            let found = result.requirements.iter().find(|it| &it.id == id);
+            found.map(|it| it.margin)
+        }
+        Subject::FailureMode(id) => {
+            let found = result.failure_modes.iter().find(|it| &it.id == id);
+            found.map(|it| it.margin)
+        }
+    }
+}
+
 /// Each pair is a study of its own, in which nothing is known of where the two come from; the correction is over all of them.
 fn rate_changes(
+    old_result: &StudyResult,
     new: &StudyResult,
     again: &[(&Evidence, &Evidence)],
 ) -> Result<Vec<RateChange>, Problem> {
@@ -311,6 +369,8 @@ fn rate_changes(
             else {
                 continue;
             };
+            let margin =
+                margin(old_result, &it.subject).map_or(it.margin, |old| old.min(it.margin));
             changes.push(RateChange {
                 evidence: after.id.clone(),
                 worse: match it.subject {
@@ -323,7 +383,7 @@ fn rate_changes(
                 p,
                 p_corrected: p,
                 beyond_chance: false,
-                beyond_margin: (now - old).abs() > it.margin,
+                beyond_margin: (now - old).abs() > margin,
             });
         }
     }

@@ -401,6 +401,27 @@ fn a_difference_says_what_is_stale_what_stands_and_what_changed_beyond_chance() 
     );
     // For the better it is no failure.
     assert_eq!(diff(&study, "half", "one").0, 0);
+    // What is asked for is loosened by the same edit: that is said, and the rate is judged as before.
+    study.edit("requirements.toml", "margin = 0.10", "margin = 0.99");
+    run("loose");
+    let (code, loose) = diff(&study, "one", "loose");
+    assert_eq!(code, 1, "{loose}");
+    let asked = &loose["asked"][0];
+    assert!(
+        asked["before"]
+            .as_str()
+            .is_some_and(|it| it.ends_with("margin 0.1"))
+            && asked["after"]
+                .as_str()
+                .is_some_and(|it| it.ends_with("margin 0.99")),
+        "{loose}"
+    );
+    let rates = loose["rates"].as_array().expect("a list");
+    let of_1 = rates.iter().find(|it| it["subject"]["id"] == "1");
+    assert_eq!(of_1.expect("of requirement 1")["beyond_margin"], true);
+    assert_eq!(half["asked"], serde_json::json!([]));
+    let text = study.run(&["diff", "one", "loose"]).out;
+    assert!(text.contains("Asked for: 1 requirement changed"), "{text}");
     let text = study.run(&["diff", "one", "half"]).out;
     assert!(text.contains("\nStands as it was: 1\n  E1\n"), "{text}");
     assert!(text.contains("worse: 1: "), "{text}");

@@ -162,7 +162,9 @@ impl DecideReport {
             },
             shows_at_least: limits.low >= rule.at_least,
             guarantee: guarantee(course),
-            further_trials: is_open.then(|| test.further_trials(ends)).flatten(),
+            further_trials: (is_open && known > 0)
+                .then(|| test.further_trials(ends))
+                .flatten(),
             on_error: rule.on_error,
             max_trials: rule.max_trials,
             seed: asked.seed,
@@ -209,6 +211,9 @@ impl DecideReport {
         let more = match (self.ended, self.further_trials) {
             (StoppedBy::Errors, _) => {
                 "repair it first: what those trials printed is kept".to_owned()
+            }
+            _ if self.rate.is_none() => {
+                "no trial has a known outcome, from which further ones could be forecast".to_owned()
             }
             (_, Some(more)) => format!("about {more} more would, at the rate seen so far"),
             (_, None) => {

@@ -1,7 +1,7 @@
 //! A difference in words, with headings of plain text or of Markdown.
 
 use corroborate::DiffReport;
-use corroborate::diff::{EvidenceChange, Fate, RateChange, VerdictChange};
+use corroborate::diff::{AskedChange, EvidenceChange, Fate, RateChange, VerdictChange};
 use diagnostic::counted;
 use std::fmt::Write;
 
@@ -39,13 +39,13 @@ pub fn markdown(report: &DiffReport) -> String {
 
 /// In the order in which they matter.
 fn parts(report: &DiffReport) -> Vec<Part> {
-    vec![
-        verdicts(report),
-        rates(report),
-        stale(report),
-        stands(report),
-        costs(report),
-    ]
+    let asked = (!report.asked.is_empty()).then(|| asked(report));
+    let rest = [rates(report), stale(report), stands(report), costs(report)];
+    [verdicts(report)]
+        .into_iter()
+        .chain(asked)
+        .chain(rest)
+        .collect()
 }
 
 fn verdicts(report: &DiffReport) -> Part {
@@ -53,6 +53,15 @@ fn verdicts(report: &DiffReport) -> Part {
     let lines: Vec<String> = changed.map(verdict).collect();
     let all = counted(report.verdicts.len(), "requirement");
     (format!("Verdicts: {} of {all} changed", lines.len()), lines)
+}
+
+/// What requirements ask for, where that is not the same: what their verdicts answer then differs.
+fn asked(report: &DiffReport) -> Part {
+    let line =
+        |it: &AskedChange| format!("{}: {}, before: {}", it.requirement, it.after, it.before);
+    let lines: Vec<String> = report.asked.iter().map(line).collect();
+    let many = counted(lines.len(), "requirement");
+    (format!("Asked for: {many} changed"), lines)
 }
 
 fn verdict(change: &VerdictChange) -> String {
