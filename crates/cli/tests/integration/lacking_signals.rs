@@ -80,7 +80,8 @@ fn run_with(topics: &str, recordings: &[(&str, &str)]) -> (TempDir, Said) {
     (folder, said)
 }
 
-fn finding(folder: &Path, subject: &str) -> serde_json::Value {
+/// What a study's first piece of evidence found of a subject.
+pub fn finding(folder: &Path, subject: &str) -> serde_json::Value {
     let text = std::fs::read_to_string(folder.join("results/study.json")).expect("a result");
     let result: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let findings = result["evidence"][0]["findings"]

@@ -1,7 +1,7 @@
 //! Recordings that end before what a requirement asks for: they do not show that it was kept, nor that it was not.
 
+use crate::lacking_signals::finding;
 use crate::support::program::{Said, corroborate};
-use std::path::Path;
 use tempfile::TempDir;
 
 const STUDY: &str = r#"
@@ -60,12 +60,6 @@ fn run(judging: &str, recordings: &[String]) -> (TempDir, Said) {
     (folder, said)
 }
 
-fn finding(folder: &Path) -> serde_json::Value {
-    let text = std::fs::read_to_string(folder.join("results/study.json")).expect("a result");
-    let result: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-    result["evidence"][0]["findings"][0].clone()
-}
-
 #[test]
 fn recordings_that_end_too_early_are_counted_against_and_for() {
     let all = [holding(12), holding(5), holding(12), holding(5)];
@@ -76,7 +70,7 @@ fn recordings_that_end_too_early_are_counted_against_and_for() {
         let (folder, said) = run(judging, &all);
         let told = "O: 2 of 4 recordings end before the 10 s that requirement hold asks for, and reach no verdict on it";
         assert!(said.talk.contains(told), "{said:?}");
-        let hold = finding(folder.path());
+        let hold = finding(folder.path(), "hold");
         assert_eq!(
             (&hold["measure"]["count"], &hold["measure"]["trials"]),
             (&2.into(), &2.into()),
@@ -96,7 +90,7 @@ fn where_all_end_too_early_nothing_is_covered_and_the_finding_says_why() {
         &[holding(5), holding(5)],
     );
     assert_eq!(said.code, 3, "{said:?}");
-    let hold = finding(folder.path());
+    let hold = finding(folder.path(), "hold");
     let reason = hold["measure"]["reason"].as_str().expect("a reason");
     assert!(reason.ends_with("it asks for 10 s of a run."), "{reason}");
 }
@@ -106,7 +100,7 @@ fn where_all_end_too_early_nothing_is_covered_and_the_finding_says_why() {
 fn a_study_may_say_that_nothing_comes_behind_the_end() {
     let judging = "formula = \"always[0, 10 s] held\"\nending = \"finite\"";
     let (folder, _) = run(judging, &[holding(5), holding(5)]);
-    let hold = finding(folder.path());
+    let hold = finding(folder.path(), "hold");
     assert_eq!(hold["measure"]["count"], 2, "{hold}");
     assert_eq!(hold["undecided"], 0);
 }
