@@ -200,18 +200,13 @@ impl FormulaJudge {
     /// [`StepError`] if the time is not finite or not after the last one, or there is not one value
     /// for each atom; the sample is not taken then.
     pub fn step(&mut self, time_secs: f64, atoms: &[f64]) -> Result<Progress, StepError> {
-        if self.losses.is_some() {
+        if self.losses.is_some() || self.early.is_some() {
             let truth = |value: &f64| RobustnessBounds::of_value(*value).truth();
             let truths: Vec<Option<bool>> = atoms.iter().map(truth).collect();
             return self.step_both(time_secs, &truths, atoms);
         }
         let before = self.before();
         let progress = either!(&mut self.work, judge => judge.step(time_secs, atoms))?;
-        if self.early.is_some() {
-            let truth = |value: &f64| RobustnessBounds::of_value(*value).truth();
-            let truths: Vec<Option<bool>> = atoms.iter().map(truth).collect();
-            self.step_early(time_secs, &[(&truths, atoms)])?;
-        }
         self.keep(
             before,
             time_secs,
@@ -231,16 +226,12 @@ impl FormulaJudge {
         time_secs: f64,
         atoms: &[Option<bool>],
     ) -> Result<Progress, StepError> {
-        if self.losses.is_some() {
+        if self.losses.is_some() || self.early.is_some() {
             let values: Vec<f64> = atoms.iter().map(|truth| value_of(*truth)).collect();
             return self.step_both(time_secs, atoms, &values);
         }
         let before = self.before();
         let progress = either!(&mut self.work, judge => judge.step_truth(time_secs, atoms))?;
-        if self.early.is_some() {
-            let values: Vec<f64> = atoms.iter().map(|truth| value_of(*truth)).collect();
-            self.step_early(time_secs, &[(atoms, &values)])?;
-        }
         self.keep(before, time_secs, atoms.iter().copied());
         Ok(progress)
     }
