@@ -115,6 +115,7 @@ impl Formal {
                 denominator: evidence::Denominator::default(),
                 trigger: None,
                 undecided: 0,
+                left_out: 0,
                 completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),

@@ -286,6 +286,7 @@ pub(crate) fn finding(
         denominator: evidence::Denominator::default(),
         trigger: None,
         undecided,
+        left_out: 0,
         completions: None,
         witnesses: Vec::new(),
         readings: Vec::new(),

@@ -125,6 +125,7 @@ fn piece(
                 denominator: evidence::Denominator::default(),
                 trigger: None,
                 undecided: 0,
+                left_out: 0,
                 completions: None,
                 witnesses: (0..50).map(|seed| format!("episode {seed}")).collect(),
                 readings: vec![],

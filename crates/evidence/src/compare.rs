@@ -199,6 +199,7 @@ impl<'a> Study<'a> {
 ///         denominator: Denominator::default(),
 ///         trigger: None,
 ///         undecided: 0,
+///         left_out: 0,
 ///         completions: None,
 ///         witnesses: vec![],
 ///         readings: vec![],

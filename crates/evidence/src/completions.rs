@@ -177,6 +177,7 @@ mod tests {
             denominator: Denominator::EveryRun,
             trigger: None,
             undecided,
+            left_out: 0,
             completions: None,
             witnesses: Vec::new(),
             readings: Vec::new(),

@@ -3,6 +3,7 @@
 use crate::{Guarantee, Interval, RunVerdict};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use stats::{Confidence, Sample};
 
 /// What a finding speaks about.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
@@ -295,6 +296,10 @@ pub struct Finding {
     pub trigger: Option<Box<Measure>>,
     /// Runs that reached no verdict (inconclusive): they ended before it, or lack a signal.
     pub undecided: u64,
+    /// Runs with a verdict that leaves out what was pending at their end: windows that nothing had violated and that the end cut,
+    /// beside others that were seen whole.
+    #[serde(default, skip_serializing_if = "is_none_left_out")]
+    pub left_out: u64,
     /// Its rate with these runs counted: the ends of what they may have been; and without runs that may be others told twice.
     /// `None` where there are none, where they are declared to be missing at random
     /// ([`crate::Evidence::undecided_at_random`]), and where nothing is counted.
@@ -304,6 +309,11 @@ pub struct Finding {
     pub witnesses: Vec<String>,
     /// The verdicts under other readings of the requirement, if it has any.
     pub readings: Vec<Reading>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde passes a reference
+fn is_none_left_out(count: &u64) -> bool {
+    *count == 0
 }
 
 impl Measure {
@@ -317,6 +327,24 @@ impl Measure {
             Measure::Probability { answer, .. } => Some(answer.value),
             _ => None,
         }
+    }
+
+    /// Whether its interval is that of a confidence sequence at a level, which holds however the number of trials was chosen.
+    pub fn holds_at_every_look(&self, level: f64) -> bool {
+        let Measure::Counts {
+            count,
+            trials,
+            interval,
+            ..
+        } = self
+        else {
+            return false;
+        };
+        let sample = Sample::new(*count, *trials).ok().filter(|_| *trials > 0);
+        let sequence = sample
+            .zip(Confidence::new(level).ok())
+            .map(|(sample, level)| stats::confidence_sequence(sample, level));
+        sequence.is_some_and(|it| (it.low, it.high) == (interval.low, interval.high))
     }
 
     /// The interval to draw: of the counts, or the credible interval, or the

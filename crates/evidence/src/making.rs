@@ -89,6 +89,7 @@ impl Finding {
             denominator: Denominator::default(),
             trigger: None,
             undecided: 0,
+            left_out: 0,
             completions: None,
             witnesses: vec![],
             readings: vec![],

@@ -147,6 +147,7 @@ fn unheard<'a>(judge: &SubjectJudge<'a>) -> Judgement<'a> {
             decided_at_secs: None,
             judged_from_secs: None,
             ends_before: None,
+            left_out: None,
             violation: None,
         },
     }

@@ -120,8 +120,10 @@ pub struct JudgedTrace {
     /// From when on it was judged, if not from its first sample on: when all
     /// signals that it reads had a value; seconds.
     pub judged_from_secs: Option<f64>,
-    /// How long the trace would have to be, if the verdict is open only because it ends before.
+    /// How long the trace would have to be from the first trigger on, if the verdict is open only because it ends before.
     pub ends_before: Option<Horizon>,
+    /// Within what of the end windows began that are pending there, if the verdict leaves them out.
+    pub left_out: Option<Horizon>,
     /// Why it is violated.
     pub violation: Option<Violation>,
 }

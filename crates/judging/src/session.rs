@@ -368,6 +368,7 @@ fn of_stages(
         decided_at_secs: violation.as_ref().map(|v| v.to_secs),
         judged_from_secs: None,
         ends_before: None,
+        left_out: None,
         violation,
     }
 }
@@ -403,6 +404,7 @@ fn of_formula(judges: &Judges<'_>, judge: &SubjectJudge<'_>, report: FormulaRepo
         decided_at_secs: report.decided_at_secs,
         judged_from_secs: None,
         ends_before: report.ends_before,
+        left_out: report.left_out,
         violation,
     }
 }

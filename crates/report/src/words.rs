@@ -117,7 +117,13 @@ pub fn intervals(study: &StudyResult) -> String {
 /// The same at the head of a column, which stands once for each piece of evidence.
 pub fn intervals_in_short(study: &StudyResult) -> String {
     let level = number::level(study.confidence);
-    format!("two-sided at {level} and of one look")
+    let mut findings = study.evidence.iter().flat_map(|it| &it.findings);
+    match findings.any(|it| it.measure.holds_at_every_look(study.confidence)) {
+        true => format!(
+            "two-sided at {level} and of one look (of every look where trials were stopped by what they showed)"
+        ),
+        false => format!("two-sided at {level} and of one look"),
+    }
 }
 
 /// At which looks the one-sided limits hold that decide a verdict, as the end of a sentence.

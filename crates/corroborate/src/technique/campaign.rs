@@ -34,7 +34,7 @@ pub use mishaps::Mishaps;
 pub use online::OnLine;
 pub(crate) use ordered::in_order;
 pub use recount::{form_verdicts, records_judged_by, recount};
-pub use tally::{Intervals, Tally, anytime, monitors, stopped};
+pub use tally::{Intervals, Tally, anytime, monitors};
 pub use until::{Until, parse as parse_until};
 
 use crate::technique::Produced;

@@ -23,7 +23,7 @@ mod tests_of_cohort;
 
 pub use by_subject::SubjectCount;
 
-use super::campaign::stopped;
+use super::campaign::anytime;
 use super::files::Files;
 use super::{Produced, confidence, counts};
 use alike::Alike;
@@ -137,6 +137,7 @@ impl Tables {
                 denominator: self.denominator(form),
                 trigger: self.trigger(study, &form.subject)?,
                 undecided: self.row(&form.subject).map_or(0, |row| row.undecided),
+                left_out: 0,
                 completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
@@ -144,7 +145,7 @@ impl Tables {
             let level = confidence(study.about.confidence)?;
             let is_stopped = self.is_stopped(&form.subject);
             let counted = |sample| match is_stopped {
-                true => Ok(stopped(sample, level)),
+                true => Ok(anytime(sample, level)),
                 false => Measure::of_counts(sample, None, level),
             };
             let finding = finding.counting_undecided(level, &counted);
@@ -261,7 +262,7 @@ impl Tables {
                 let sample = stats::Sample::new(count, trials);
                 let sample =
                     sample.map_err(|error| Problem::new("bad-counts", error.to_string()))?;
-                Ok(stopped(sample, level))
+                Ok(anytime(sample, level))
             }
             (None, _, Some((count, trials))) => counts(count, trials, None, level),
             (_, _, None) => Ok(not_covered("The tables do not count it.")),

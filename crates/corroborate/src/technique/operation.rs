@@ -16,7 +16,7 @@ use host::{Cancel, Stage};
 use judging::forms::differences::{forms_of, judges};
 use judging::recording::{JudgedRecording, ReadingRules};
 use judging::verdicts::RunVerdicts;
-use judging::{Judgement, Judges};
+use judging::{JudgedTrace, Judgement, Judges};
 use rayon::prelude::*;
 use recording::TrialPath;
 use std::collections::{BTreeMap, BTreeSet};
@@ -218,7 +218,7 @@ impl Recordings {
             })
             .collect();
         let alike_trials = sessions::alike(&recorded);
-        for line in too_short(&all) {
+        for line in too_short(&all).into_iter().chain(pending(&all)) {
             say(&format!("{id}: {line}"));
         }
         let names: Vec<String> = self.trials.iter().map(|trial| trial.name.clone()).collect();
@@ -272,20 +272,48 @@ fn counted(judged: JudgedRecording<'_>) -> Vec<Judgement<'_>> {
 
 /// How many recordings end before what a requirement asks for, and so reach no verdict on it.
 fn too_short(all: &[Vec<Judgement<'_>>]) -> Vec<String> {
-    let mut found: BTreeMap<&Subject, (Horizon, u64)> = BTreeMap::new();
-    for judgement in all.iter().flatten().filter(|it| it.reading.is_none()) {
-        if let Some(asked) = judgement.findings.ends_before {
-            found.entry(judgement.subject).or_insert((asked, 0)).1 += 1;
-        }
-    }
     let line = |(subject, (asked, count)): (&Subject, (Horizon, u64))| {
         let subject = subject.in_words();
         format!(
-            "{count} of {} recordings end before the {asked} that {subject} asks for, and reach no verdict on it",
+            "{count} of {} recordings end before the {asked} that {subject} asks for, from its first trigger on, and reach no \
+             verdict on it",
             all.len()
         )
     };
-    found.into_iter().map(line).collect()
+    counted_by_subject(all, |of| of.ends_before)
+        .into_iter()
+        .map(line)
+        .collect()
+}
+
+/// How many recordings have a verdict on a requirement that leaves out what was pending at their end.
+fn pending(all: &[Vec<Judgement<'_>>]) -> Vec<String> {
+    let line = |(subject, (asked, count)): (&Subject, (Horizon, u64))| {
+        let subject = subject.in_words();
+        format!(
+            "in {count} of {} recordings something of {subject} began in the last {asked} and is pending at the end: left out, as \
+             other windows were seen whole",
+            all.len()
+        )
+    };
+    counted_by_subject(all, |of| of.left_out)
+        .into_iter()
+        .map(line)
+        .collect()
+}
+
+/// How many recordings have a horizon of a kind, by subject, with the first of them.
+fn counted_by_subject<'j>(
+    all: &'j [Vec<Judgement<'_>>],
+    of: impl Fn(&JudgedTrace) -> Option<Horizon>,
+) -> BTreeMap<&'j Subject, (Horizon, u64)> {
+    let mut found = BTreeMap::new();
+    for judgement in all.iter().flatten().filter(|it| it.reading.is_none()) {
+        if let Some(asked) = of(&judgement.findings) {
+            found.entry(judgement.subject).or_insert((asked, 0)).1 += 1;
+        }
+    }
+    found
 }
 
 /// The verdicts without those of other readings, which are judged on the same runs.

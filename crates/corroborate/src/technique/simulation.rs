@@ -142,6 +142,8 @@ pub fn findings(
     for (judgements, name) in judgements.iter().zip(names) {
         let verdicts: Vec<_> = judgements.iter().map(|j| j.findings.verdict).collect();
         tally.add(name, &verdicts);
+        let left_out = judgements.iter().map(|it| it.findings.left_out.is_some());
+        tally.left_out(left_out);
     }
     tally.findings(study, Intervals::Fixed)
 }

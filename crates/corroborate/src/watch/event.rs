@@ -168,6 +168,7 @@ impl LiveVerdict {
             decided_at_secs,
             judged_from_secs: _,
             ends_before: _,
+            left_out: _,
             violation,
         } = &judgement.findings;
         let finite = |value: f64| value.is_finite().then_some(value);

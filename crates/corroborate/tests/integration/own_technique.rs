@@ -104,6 +104,7 @@ impl<'a> Tosses<'a> {
                 denominator: Denominator::default(),
                 trigger: None,
                 undecided: 0,
+                left_out: 0,
                 completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),

@@ -276,6 +276,7 @@ mod tests {
             denominator,
             trigger: trigger.map(Box::new),
             undecided: 0,
+            left_out: 0,
             completions: None,
             witnesses: vec![],
             readings: vec![],

@@ -112,6 +112,7 @@ mod tests {
             denominator: crate::Denominator::default(),
             trigger: None,
             undecided: 0,
+            left_out: 0,
             completions: None,
             witnesses: Vec::new(),
             readings: Vec::new(),

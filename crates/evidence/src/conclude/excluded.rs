@@ -4,7 +4,7 @@
 //! Every piece of the ledger with a finding on a requirement either takes part in its conclusion or is listed here with the
 //! reason. One that takes part below the step that the requirement needs, and does not carry over to it, is listed, too: it
 //! is judged, and does not count there. Runs of a piece that reached no verdict are listed by
-//! piece, with what they count for. For trials of the system that the study marks as intermediate, the verdict with them is found: they are not
+//! piece, with what they count for, and those whose verdict leaves out what was pending at their end. For trials of the system that the study marks as intermediate, the verdict with them is found: they are not
 //! refined by what comes later, so leaving them out has to be seen.
 //!
 //! # Assumes
@@ -70,7 +70,28 @@ pub(super) fn excluded_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<Exclu
             words: undecided_in_words(piece, finding, asked.requirement.asks_for.as_deref()),
         })
     });
-    undecided.chain(replaced_trials(study, asked)).collect()
+    let left_out = study.evidence.iter().filter_map(|piece| {
+        let trials = found(asked, piece)?.left_out;
+        (trials > 0).then(|| ExcludedTrials {
+            evidence: piece.id.clone(),
+            trials,
+            words: left_out_in_words(&piece.id, trials),
+        })
+    });
+    let replaced = replaced_trials(study, asked);
+    undecided.chain(left_out).chain(replaced).collect()
+}
+
+/// What of runs with a verdict was pending at their end.
+fn left_out_in_words(id: &str, runs: u64) -> String {
+    let runs = match runs {
+        1 => "1 run".to_owned(),
+        many => format!("{many} runs"),
+    };
+    format!(
+        "In {runs} of {id} something that the requirement asks for was pending at the end: that is left out, and the verdict is of \
+         what was seen whole (`corroborate explain finite-trace`)."
+    )
 }
 
 /// What became of runs that reached no verdict.
@@ -92,8 +113,8 @@ fn undecided_in_words(piece: &Evidence, finding: &Finding, asks_for: Option<&str
     };
     match asks_for {
         Some(asked) => format!(
-            "{became} A run that ends before the {asked} that the requirement asks for may reach none (`corroborate explain \
-             finite-trace`)."
+            "{became} A run that ends before the {asked} that the requirement asks for, from its first trigger on, may reach none \
+             (`corroborate explain finite-trace`)."
         ),
         None => became,
     }

@@ -19,6 +19,7 @@ fn finding(subject: Subject, measure: Measure) -> Finding {
         denominator: evidence::Denominator::default(),
         trigger: None,
         undecided: 0,
+        left_out: 0,
         completions: None,
         witnesses,
         readings,

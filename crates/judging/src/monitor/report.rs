@@ -71,8 +71,10 @@ pub struct SubjectVerdict {
     /// From when on it was judged, if not from its first sample on: when all
     /// the signals that it reads had a value; seconds of the recording's clock.
     pub judged_from_secs: Option<f64>,
-    /// How long the recording would have to be, if the verdict is open only because it ends before: `10 s`.
+    /// How long the recording would have to be from the first trigger on, if the verdict is open only because it ends before: `10 s`.
     pub ends_before: Option<String>,
+    /// Within what of its end windows began that are pending there and that the verdict leaves out: `5 s`.
+    pub left_out: Option<String>,
     /// The part of the recording that shows the violation.
     pub violation: Option<ShownViolation>,
     /// When the first failure shows, in seconds of the recording's clock.
@@ -237,6 +239,7 @@ impl SubjectVerdict {
             decided_at_secs: findings.decided_at_secs,
             judged_from_secs: findings.judged_from_secs,
             ends_before: findings.ends_before.map(|asked| asked.to_string()),
+            left_out: findings.left_out.map(|asked| asked.to_string()),
             violation: violation.map(|violation| shown_violation(asked, found, violation)),
             failed_at_secs: violation.map(|v| v.to_secs),
             failed_proposition: responsible.map(|r| r.proposition.clone()),

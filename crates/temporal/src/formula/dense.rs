@@ -389,6 +389,11 @@ impl DenseJudge {
         }
     }
 
+    /// Whether the trigger was seen to be true, as far as that is known.
+    pub(super) fn has_triggered(&self) -> bool {
+        self.trigger.as_ref().is_some_and(|it| it.so_far() > 0)
+    }
+
     /// Ends the trace. `complete` is false if it was cut short: then [`Ending::Finite`] is treated as
     /// [`Ending::Inconclusive`].
     #[must_use]
@@ -433,6 +438,7 @@ impl DenseJudge {
             samples: self.samples,
             decided_at_secs: self.decided_at_secs,
             ends_before: None,
+            left_out: None,
             explanation: None,
         }
     }

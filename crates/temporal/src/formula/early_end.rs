@@ -3,8 +3,11 @@
 //! # Definition
 //! The *horizon* of a formula is the longest time that its bounded windows of the future reach, one within another:
 //! 10 s of `always[0, 10 s] p`, 14 s of `always[0, 10 s] (p => eventually[0, 4 s] q)`; a window without an end reaches as far as
-//! it begins, since "the trace is all there is" gives it one. A trace is *short* of a formula if its length is less than 99 %
-//! of the horizon. (A second of samples at 100 Hz ends 10 ms early, and says nonetheless what a second says.)
+//! it begins, since "the trace is all there is" gives it one.
+//!
+//! A formula is judged as the conjuncts that it has (`always (f & g)` are two). A trace is *short* of a conjunct if less than
+//! 99 % of its horizon follows its trigger's first time, or its first sample where it has no trigger: no window was seen whole. (A second
+//! of samples at 100 Hz ends 10 ms early, and says nonetheless what a second says.)
 //!
 //! Of a short trace, what lies behind its end within a bounded window is unknown, and what lies there otherwise is
 //! nothing, as with [`Ending::Finite`]. With an atom `u` that is always unknown, and `cut` for
@@ -20,23 +23,31 @@
 //!
 //! The last factor is left out where `left` has operators of time.
 //!
+//! Of a trace that is not short, the windows that its end cuts are *left out*: what no continuation could repair violates the
+//! formula, and what is pending does not. A response within 50 ms of each instant, of which the last 50 ms are always pending,
+//! is judged by the instants before, and one that was asked for 1 s before the end of an hour and may come within 5 s is no violation. The
+//! report says so ([`FormulaReport::left_out`]). A conjunct in which pending windows cannot be told from what the end of the
+//! trace does decide (`always (p => eventually always[0, 1 s] q)`) is judged like that of a short trace to its end.
+//!
 //! # Source
 //! Our own; the three values are those of Bauer, Leucker and Schallhart, "Runtime verification for LTL and TLTL" (2011), on
-//! the bounded windows alone.
+//! the bounded windows alone; what is left out is what Eisner et al., "Reasoning with temporal logic on truncated paths" (2003)
+//! call the weak view.
 //!
 //! # Assumes
 //! That the samples are all there were until the last one.
 //!
 //! # Guarantee
-//! A verdict that is given is that of every continuation of the trace in which no window without an end is looked
-//! at behind the trace's end. Not complete: a verdict may stay open where all continuations agree. A trace that is not short
-//! is judged as before. Held against the engines' own three-valued verdicts in `tests/integration/formula_early_end.rs`.
+//! A violation is one of every continuation of the trace in which no window without an end is looked
+//! at behind the trace's end. So is a satisfaction on a short trace; on another, of every window that was seen whole. Not complete: a
+//! verdict may stay open where all continuations agree. Held against every continuation of short traces and against the engines' own
+//! three-valued verdicts in `tests/integration/formula_early_end.rs`.
 
 use std::fmt;
 
 use super::ast::{AtomId, Bound, Formula, Interval, TimeUnit, Window};
 use super::monitor::{BothValues, FormulaJudge, FormulaMonitor};
-use super::report::{FormulaReport, StepError};
+use super::report::{FormulaReport, RobustnessBounds, StepError};
 use super::settings::{CompileError, Ending, Settings, TimeModel};
 use crate::monitor::Verdict;
 
@@ -60,11 +71,7 @@ impl Horizon {
     pub fn of(formula: &Formula, time: TimeModel) -> Result<Self, CompileError> {
         let mut furthest = Self::default();
         for operand in formula.operands() {
-            let inner = Self::of(operand, time)?;
-            furthest = Self {
-                secs: furthest.secs.max(inner.secs),
-                samples: furthest.samples.max(inner.samples),
-            };
+            furthest = furthest.and(Self::of(operand, time)?);
         }
         if matches!(formula, Formula::Next(_)) {
             furthest.samples += 1;
@@ -80,6 +87,14 @@ impl Horizon {
             Window::Samples { low, high } => furthest.samples += high.unwrap_or(low),
         }
         Ok(furthest)
+    }
+
+    /// What reaches as far as both.
+    fn and(self, other: Self) -> Self {
+        Self {
+            secs: self.secs.max(other.secs),
+            samples: self.samples.max(other.samples),
+        }
     }
 
     /// Whether it is nothing.
@@ -202,25 +217,45 @@ fn every(formula: Formula, open: Option<Formula>) -> Formula {
     }
 }
 
-/// The formula that is judged beside the one that was given, as long as the trace is short.
+/// The conjuncts of a formula that are judged beside it.
 #[derive(Debug, Clone)]
 pub(super) struct EarlyMonitor {
-    monitor: FormulaMonitor,
-    horizon: Horizon,
+    parts: Vec<Part>,
 }
 
-/// It at work.
+#[derive(Debug, Clone)]
+struct Part {
+    monitor: FormulaMonitor,
+    horizon: Horizon,
+    has_trigger: bool,
+    /// Whether the end of a trace can violate it by its pending windows alone.
+    ends_pending: bool,
+}
+
+/// They at work.
 #[derive(Debug, Clone)]
 pub(super) struct EarlyJudge {
+    parts: Vec<PartJudge>,
+    /// The longest horizon of the conjuncts that the trace is not short of any more.
+    left_out: Option<Horizon>,
+    /// Until when the trace is known to have gone on.
+    lasted_secs: f64,
+}
+
+#[derive(Debug, Clone)]
+struct PartJudge {
     judge: FormulaJudge,
     horizon: Horizon,
-    first_secs: Option<f64>,
-    /// How many samples came behind the first.
+    has_trigger: bool,
+    ends_pending: bool,
+    /// When its windows began: at the trigger, or the first sample.
+    began_secs: Option<f64>,
+    /// How many samples came behind.
     samples: u64,
 }
 
 impl EarlyMonitor {
-    /// That of a formula; `None` if no trace is short of it, or if another ending is asked for.
+    /// That of a formula; `None` if it has no window that an end could cut, or if another ending is asked for.
     ///
     /// # Errors
     /// As of [`FormulaMonitor::compile`].
@@ -228,35 +263,107 @@ impl EarlyMonitor {
         formula: &Formula,
         settings: &Settings,
     ) -> Result<Option<Self>, CompileError> {
-        let horizon = Horizon::of(formula, settings.time)?;
-        if settings.ending != Ending::LongEnough || horizon.is_none() {
+        if settings.ending != Ending::LongEnough || Horizon::of(formula, settings.time)?.is_none() {
             return Ok(None);
         }
-        let trigger = settings.trigger.as_ref().or_else(|| formula.trigger());
-        let of_trigger = trigger.map_or(0, Formula::atom_count);
+        let common = settings.trigger.as_ref().or_else(|| formula.trigger());
+        let of_trigger = common.map_or(0, Formula::atom_count);
         let unknown = AtomId(formula.atom_count().max(of_trigger));
-        let settings = Settings {
-            ending: Ending::Finite,
-            explain_samples: 0,
-            trigger: trigger.cloned(),
-            ..settings.clone()
-        };
-        // The unknown atom is always among the atoms.
-        let among = Formula::or(Formula::True, Formula::Atom(unknown));
-        let opened = Formula::and(opened(formula, settings.time, unknown), among);
-        let monitor = FormulaMonitor::compile(&opened, &settings)?;
-        Ok(Some(Self { monitor, horizon }))
+        let mut parts = Vec::new();
+        for conjunct in conjuncts(formula) {
+            let trigger = common.or_else(|| conjunct.trigger()).cloned();
+            parts.extend(Part::compile(&conjunct, trigger, unknown, settings)?);
+        }
+        Ok(Some(Self { parts }))
     }
 
     /// Begins to judge a trace.
     pub(super) fn start(&self) -> EarlyJudge {
         EarlyJudge {
+            parts: self.parts.iter().map(Part::start).collect(),
+            left_out: None,
+            lasted_secs: f64::NEG_INFINITY,
+        }
+    }
+}
+
+impl Part {
+    /// That of a conjunct; `None` if no end violates it.
+    fn compile(
+        conjunct: &Formula,
+        trigger: Option<Formula>,
+        unknown: AtomId,
+        settings: &Settings,
+    ) -> Result<Option<Self>, CompileError> {
+        let horizon = Horizon::of(conjunct, settings.time)?;
+        let ends_pending = !waits_without_end(conjunct, true);
+        if horizon.is_none() && ends_pending {
+            return Ok(None);
+        }
+        let has_trigger = trigger.is_some();
+        let settings = Settings {
+            ending: Ending::Finite,
+            explain_samples: 0,
+            trigger,
+            ..settings.clone()
+        };
+        // The unknown atom is always among the atoms.
+        let among = Formula::or(Formula::True, Formula::Atom(unknown));
+        let opened = Formula::and(opened(conjunct, settings.time, unknown), among);
+        Ok(Some(Self {
+            monitor: FormulaMonitor::compile(&opened, &settings)?,
+            horizon,
+            has_trigger,
+            ends_pending,
+        }))
+    }
+
+    fn start(&self) -> PartJudge {
+        PartJudge {
             judge: self.monitor.start(),
             horizon: self.horizon,
-            first_secs: None,
+            has_trigger: self.has_trigger,
+            ends_pending: self.ends_pending,
+            began_secs: None,
             samples: 0,
         }
     }
+}
+
+/// Formulas whose conjunction it is, also in each instant of an `always`.
+fn conjuncts(formula: &Formula) -> Vec<Formula> {
+    match formula {
+        Formula::And(parts) => parts.iter().flat_map(conjuncts).collect(),
+        Formula::Always(interval, inner) => {
+            let parts = conjuncts(inner).into_iter();
+            parts.map(|part| Formula::always(*interval, part)).collect()
+        }
+        _ => vec![formula.clone()],
+    }
+}
+
+/// Whether the formula, or its negation if not `wanted`, waits in a window without an end, so that the end of a trace decides it.
+fn waits_without_end(formula: &Formula, wanted: bool) -> bool {
+    let is_endless = formula.interval().is_some_and(|it| it.high.is_none());
+    let waits = match formula {
+        Formula::Eventually(..) | Formula::Until(..) => is_endless && wanted,
+        Formula::Always(..) | Formula::WeakUntil(..) | Formula::Release(..) => {
+            is_endless && !wanted
+        }
+        _ => false,
+    };
+    let part = |it: &Formula| waits_without_end(it, wanted);
+    let contrary = |it: &Formula| waits_without_end(it, !wanted);
+    waits
+        || match formula {
+            Formula::Not(f) => contrary(f),
+            Formula::Implies(f, g) => contrary(f) || part(g),
+            Formula::Iff(..) | Formula::Rise(_) | Formula::Fall(_) => {
+                let mut operands = formula.operands().into_iter();
+                operands.any(|it| part(it) || contrary(it))
+            }
+            _ => formula.operands().into_iter().any(part),
+        }
 }
 
 impl EarlyJudge {
@@ -266,11 +373,15 @@ impl EarlyJudge {
         time_secs: f64,
         samples: &[BothValues<'_>],
     ) -> Result<(), StepError> {
+        if self.parts.is_empty() {
+            return Ok(());
+        }
         let longer: Vec<_> = samples.iter().map(with_unknown).collect();
         let longer: Vec<BothValues<'_>> = longer.iter().map(|it| (&it.0[..], &it.1[..])).collect();
-        self.judge.step_instant(time_secs, &longer)?;
-        self.samples += samples.len() as u64 - u64::from(self.first_secs.is_none());
-        self.first_secs.get_or_insert(time_secs);
+        for part in &mut self.parts {
+            part.step(time_secs, &longer)?;
+        }
+        self.leave_what_is_over(time_secs);
         Ok(())
     }
 
@@ -282,34 +393,104 @@ impl EarlyJudge {
         held: BothValues<'_>,
     ) -> Result<(), StepError> {
         let (truth, values) = with_unknown(&held);
-        self.judge.lose(span, next_secs, (&truth, &values))
+        for part in &mut self.parts {
+            part.judge.lose(span, next_secs, (&truth, &values))?;
+        }
+        Ok(())
     }
 
-    /// Whether the trace is not short any more at this time.
-    pub(super) fn is_over(&self, time_secs: f64) -> bool {
-        let length_secs = self
-            .first_secs
-            .map_or(0.0, |first_secs| time_secs - first_secs);
-        // Of what nothing changes behind, for ever, all samples that could be asked for are known.
-        time_secs == f64::INFINITY || self.horizon.is_reached(length_secs, self.samples)
+    /// As [`FormulaJudge::lasted_until`].
+    pub(super) fn lasted_until(&mut self, end_secs: f64) {
+        self.lasted_secs = self.lasted_secs.max(end_secs);
+        self.leave_what_is_over(end_secs);
     }
 
-    /// What is said of the short trace, if that is open, in place of a verdict that only its end gave.
-    pub(super) fn said_instead(self, report: &FormulaReport) -> Option<FormulaReport> {
+    fn leave_what_is_over(&mut self, time_secs: f64) {
+        let over = |part: &PartJudge| part.ends_pending && part.is_over(time_secs);
+        for part in self.parts.iter().filter(|part| over(part)) {
+            let longest = self.left_out.unwrap_or_default();
+            self.left_out = Some(longest.and(part.horizon));
+        }
+        self.parts.retain(|part| !over(part));
+    }
+
+    /// Whether there are conjuncts that the trace is short of.
+    pub(super) fn is_at_work(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
+    /// Whether nothing came behind the last sample for so long that all windows ended, of the conjuncts that the trace is not short of.
+    fn saw_all(&self, last_secs: f64) -> bool {
+        let silent_secs = self.lasted_secs - last_secs;
+        self.left_out
+            .is_none_or(|longest| longest.is_reached(silent_secs, 0))
+    }
+
+    /// What is said of the trace in place of a verdict that only its end gave, if that is something else; `best` is the greatest
+    /// robustness that a continuation can give, `last_secs` the time of the last sample.
+    pub(super) fn said_instead(
+        self,
+        report: &FormulaReport,
+        best: Option<RobustnessBounds>,
+        last_secs: f64,
+    ) -> Option<FormulaReport> {
         let by_its_end = matches!(report.verdict, Verdict::Satisfied | Verdict::Violated)
             && report.decided_at_secs.is_none();
-        if !by_its_end {
+        if !by_its_end || self.lasted_secs == f64::INFINITY {
             return None;
         }
-        let horizon = self.horizon;
-        let found = self.judge.finish(true);
-        (found.verdict == Verdict::Inconclusive).then(|| FormulaReport {
-            verdict: Verdict::Inconclusive,
-            robustness: found.robustness,
-            ends_before: Some(horizon),
+        let saw_all = self.saw_all(last_secs);
+        let parts = self.parts.into_iter();
+        let found: Vec<_> = parts
+            .map(|it| (it.horizon, it.judge.finish(true)))
+            .collect();
+        if found.iter().any(|(_, it)| it.verdict == Verdict::Violated) {
+            return None;
+        }
+        let open = |it: &&(Horizon, FormulaReport)| it.1.verdict == Verdict::Inconclusive;
+        if let Some((horizon, open)) = found.iter().find(open) {
+            return Some(FormulaReport {
+                verdict: Verdict::Inconclusive,
+                robustness: open.robustness,
+                ends_before: Some(*horizon),
+                explanation: None,
+                ..report.clone()
+            });
+        }
+        let left_out = self.left_out.filter(|_| !saw_all)?;
+        (report.verdict == Verdict::Violated).then(|| FormulaReport {
+            verdict: Verdict::Satisfied,
+            robustness: best.map(|best| RobustnessBounds {
+                low: best.high,
+                high: best.high,
+            }),
+            left_out: Some(left_out),
             explanation: None,
             ..report.clone()
         })
+    }
+}
+
+impl PartJudge {
+    fn step(&mut self, time_secs: f64, samples: &[BothValues<'_>]) -> Result<(), StepError> {
+        self.judge.step_instant(time_secs, samples)?;
+        if self.began_secs.is_some() {
+            self.samples += samples.len() as u64;
+        } else if !self.has_trigger || self.judge.has_triggered() {
+            self.began_secs = Some(time_secs);
+            self.samples = samples.len() as u64 - 1;
+        }
+        Ok(())
+    }
+
+    /// Whether a window was seen whole at this time.
+    fn is_over(&self, time_secs: f64) -> bool {
+        // Of what nothing changes behind, for ever, all samples that could be asked for are known.
+        let began = self.began_secs.is_some_and(|began_secs| {
+            self.horizon
+                .is_reached(time_secs - began_secs, self.samples)
+        });
+        began || time_secs == f64::INFINITY
     }
 }
 

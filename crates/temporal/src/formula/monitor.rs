@@ -69,7 +69,7 @@ pub struct FormulaJudge {
     ending: Ending,
     record: Record,
     losses: Option<Losses>,
-    /// What is judged beside it while the trace is short.
+    /// What is judged beside it for what the end of the trace leaves pending.
     early: Option<Box<EarlyJudge>>,
     /// The time of the last sample.
     last_secs: f64,
@@ -200,13 +200,14 @@ impl FormulaJudge {
     /// [`StepError`] if the time is not finite or not after the last one, or there is not one value
     /// for each atom; the sample is not taken then.
     pub fn step(&mut self, time_secs: f64, atoms: &[f64]) -> Result<Progress, StepError> {
-        if self.losses.is_some() || self.early.is_some() {
+        if self.losses.is_some() || self.is_watched() {
             let truth = |value: &f64| RobustnessBounds::of_value(*value).truth();
             let truths: Vec<Option<bool>> = atoms.iter().map(truth).collect();
             return self.step_both(time_secs, &truths, atoms);
         }
         let before = self.before();
         let progress = either!(&mut self.work, judge => judge.step(time_secs, atoms))?;
+        self.last_secs = time_secs;
         self.keep(
             before,
             time_secs,
@@ -226,12 +227,13 @@ impl FormulaJudge {
         time_secs: f64,
         atoms: &[Option<bool>],
     ) -> Result<Progress, StepError> {
-        if self.losses.is_some() || self.early.is_some() {
+        if self.losses.is_some() || self.is_watched() {
             let values: Vec<f64> = atoms.iter().map(|truth| value_of(*truth)).collect();
             return self.step_both(time_secs, atoms, &values);
         }
         let before = self.before();
         let progress = either!(&mut self.work, judge => judge.step_truth(time_secs, atoms))?;
+        self.last_secs = time_secs;
         self.keep(before, time_secs, atoms.iter().copied());
         Ok(progress)
     }
@@ -280,7 +282,7 @@ impl FormulaJudge {
             return Ok(());
         };
         early.step(time_secs, samples)?;
-        if early.is_over(time_secs) || self.verdict().is_some() {
+        if self.verdict().is_some() {
             self.early = None;
         }
         Ok(())
@@ -415,14 +417,24 @@ impl FormulaJudge {
         times_secs: &[f64],
         atoms: &[&[f64]],
     ) -> Result<Progress, StepError> {
+        if self.losses.is_some() || self.is_watched() || matches!(self.work, Work::Dense(_)) {
+            let taken = self.step_each(times_secs, atoms)?;
+            let rest: Vec<&[f64]> = (atoms.iter())
+                .map(|column| column.get(taken..).unwrap_or_default())
+                .collect();
+            return match &times_secs[taken..] {
+                [] => Ok(Progress {
+                    verdict: self.verdict(),
+                }),
+                later => self.step_many(later, &rest),
+            };
+        }
         let undecided = self.verdict().is_none();
         let Work::Discrete(judge) = &mut self.work else {
-            return self.step_each(times_secs, atoms);
+            return Ok(Progress { verdict: None });
         };
-        if self.losses.is_some() || self.early.is_some() {
-            return self.step_each(times_secs, atoms);
-        }
         let progress = judge.step_many(times_secs, atoms)?;
+        self.last_secs = times_secs.last().copied().unwrap_or(self.last_secs);
         if undecided {
             // What explains a violation ends where it is determined.
             let decided_at_secs = judge.decided_at_secs().unwrap_or(f64::INFINITY);
@@ -432,10 +444,14 @@ impl FormulaJudge {
         Ok(progress)
     }
 
-    /// As [`FormulaJudge::step_many`], one by one.
-    fn step_each(&mut self, times_secs: &[f64], atoms: &[&[f64]]) -> Result<Progress, StepError> {
+    /// As [`FormulaJudge::step_many`], one by one, until the rest can be taken at once; gives how many were taken.
+    fn step_each(&mut self, times_secs: &[f64], atoms: &[&[f64]]) -> Result<usize, StepError> {
+        let stays = self.losses.is_some() || matches!(self.work, Work::Dense(_));
         let mut values = vec![f64::NAN; atoms.len()];
         for (at, &time_secs) in times_secs.iter().enumerate() {
+            if !stays && !self.is_watched() {
+                return Ok(at);
+            }
             for (value, column) in values.iter_mut().zip(atoms) {
                 let found = column.len();
                 *value = *column.get(at).ok_or(StepError::AtomCount {
@@ -445,9 +461,12 @@ impl FormulaJudge {
             }
             self.step(time_secs, &values)?;
         }
-        Ok(Progress {
-            verdict: self.verdict(),
-        })
+        Ok(times_secs.len())
+    }
+
+    /// Whether conjuncts are judged beside the formula.
+    fn is_watched(&self) -> bool {
+        self.early.as_ref().is_some_and(|early| early.is_at_work())
     }
 
     /// The place of the last sample, if the next one is to be kept.
@@ -505,6 +524,11 @@ impl FormulaJudge {
         either!(&self.work, judge => judge.robustness_bounds())
     }
 
+    /// Whether the trigger was seen to be true, as far as that is known.
+    pub(super) fn has_triggered(&self) -> bool {
+        either!(&self.work, judge => judge.has_triggered())
+    }
+
     /// How many values, stretches and times are stored: what bounds the memory.
     #[must_use]
     pub fn stored(&self) -> usize {
@@ -514,7 +538,9 @@ impl FormulaJudge {
     /// The trace is known to have gone on until `end_secs`, a time of its clock, without another sample: it is not shorter than
     /// that ([`Ending::LongEnough`]).
     pub fn lasted_until(&mut self, end_secs: f64) {
-        self.early = self.early.take().filter(|early| !early.is_over(end_secs));
+        if let Some(early) = &mut self.early {
+            early.lasted_until(end_secs);
+        }
     }
 
     /// Nothing can be said of the trace, since samples may be missing anywhere in it.
@@ -532,6 +558,8 @@ impl FormulaJudge {
             Ending::Finite if !complete => Ending::Inconclusive,
             ending => ending,
         };
+        let early = self.early.as_ref().filter(|_| complete);
+        let best = early.and_then(|_| self.robustness_bounds());
         let mut report = either!(self.work, judge => judge.finish(complete));
         if self.is_void {
             report.verdict = Verdict::Inconclusive;
@@ -543,7 +571,7 @@ impl FormulaJudge {
             report.verdict = Verdict::Inconclusive;
         }
         if let Some(early) = self.early.filter(|_| complete)
-            && let Some(said) = early.said_instead(&report)
+            && let Some(said) = early.said_instead(&report, best, self.last_secs)
         {
             report = said;
         }

@@ -48,9 +48,12 @@ pub struct FormulaReport {
     /// Time of the sample that determined the verdict, in seconds of the trace's clock; `None` if
     /// only its end did, or nothing.
     pub decided_at_secs: Option<f64>,
-    /// The horizon of the formula, where the verdict is open only because the trace ends before it
-    /// ([`Ending::LongEnough`](super::Ending::LongEnough)).
+    /// The horizon of the formula, where the verdict is open only because the trace ends before it, counted from the first
+    /// trigger ([`Ending::LongEnough`](super::Ending::LongEnough)).
     pub ends_before: Option<Horizon>,
+    /// The horizon of the formula, where windows are pending at the end of the trace that were left out, as others were seen
+    /// whole ([`Ending::LongEnough`](super::Ending::LongEnough)): [`Ending::Finite`](super::Ending::Finite) would say "violated".
+    pub left_out: Option<Horizon>,
     /// Why the formula is violated, if it is, and what shows it was kept.
     pub explanation: Option<Explanation>,
 }

@@ -44,8 +44,9 @@ pub enum Ending {
     Strong,
     /// The trace is all there is: no time comes after it (LTLf, and MTL likewise).
     Finite,
-    /// As [`Ending::Finite`] of a trace as long as the formula's [`Horizon`](super::Horizon); a shorter one leaves open what
-    /// bounded windows do not see of it.
+    /// As [`Ending::Finite`] of all windows that were seen whole. Where none was, since the trace is shorter than the
+    /// formula's [`Horizon`](super::Horizon) from its first trigger on, what bounded windows do not see is open; otherwise
+    /// those that the end cuts are left out.
     LongEnough,
 }
 

@@ -42,7 +42,13 @@ fn of_recording(output: &mut String, recording: &RecordingVerdicts) {
         if let Some(asked) = &verdict.ends_before {
             let _ = writeln!(
                 output,
-                "{file}: {label} is inconclusive: it asks for {asked}, and the recording ends before"
+                "{file}: {label} is inconclusive: it asks for {asked} from its first trigger on, and the recording ends before"
+            );
+        }
+        if let Some(asked) = &verdict.left_out {
+            let _ = writeln!(
+                output,
+                "{file}: {label}: what began in the last {asked} and is still pending at the end is left out"
             );
         }
         if let Some(from) = verdict.judged_from_secs {

@@ -244,6 +244,8 @@ impl<'a> Count<'a> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let verdicts: Vec<_> = record.judged.iter().map(|judged| judged.verdict).collect();
         self.tally.add(&name, &verdicts);
+        self.tally
+            .left_out(record.judged.iter().map(|it| it.left_out));
         self.tally.ended_by(record.number, record.failure());
         if let Some(kind) = record.failure() {
             self.first_failed.entry(kind).or_insert(record.number);

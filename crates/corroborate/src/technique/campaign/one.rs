@@ -109,6 +109,7 @@ impl<'a> Bench<'a> {
             triggered: 0,
             robustness: None,
             decided_at_secs: None,
+            left_out: false,
         };
         let shown = Shown {
             end: kind.name(),

@@ -60,6 +60,9 @@ pub struct Judged {
     pub robustness: Option<Bounds>,
     /// When the verdict was determined, if before the end.
     pub decided_at_secs: Option<f64>,
+    /// Whether it leaves out what was pending at the end.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub left_out: bool,
 }
 
 /// The least and the greatest that the robustness can be. Numbers are texts, since JSON has no
@@ -99,6 +102,7 @@ impl Judged {
             triggered: findings.triggered,
             robustness: findings.robustness.as_ref().map(bounds),
             decided_at_secs: findings.decided_at_secs,
+            left_out: findings.left_out.is_some(),
         }
     }
 }
@@ -372,6 +376,7 @@ mod tests {
                     high: 1.0 / 3.0,
                 }),
                 decided_at_secs: Some(1e-17),
+                left_out: true,
             }],
             forms: vec![Verdict::NotCovered],
             crept: Vec::new(),

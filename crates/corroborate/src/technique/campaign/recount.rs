@@ -60,6 +60,7 @@ pub fn recount(
         recount.check_recording(folder, &name, record);
         let verdicts: Vec<_> = record.judged.iter().map(|judged| judged.verdict).collect();
         tally.add(&name, &verdicts);
+        tally.left_out(record.judged.iter().map(|it| it.left_out));
         tally.ended_by(record.number, record.failure());
         let here = target.is_some_and(|(subject, sample)| tally.sample(subject) == sample);
         if intervals == Intervals::Anytime && here {

@@ -58,6 +58,7 @@ struct Row {
     satisfied: u64,
     violated: u64,
     inconclusive: u64,
+    left_out: u64,
     witnesses: Vec<String>,
     /// Runs with another verdict than by the main monitor.
     differing: u64,
@@ -77,6 +78,7 @@ impl Tally {
             satisfied: 0,
             violated: 0,
             inconclusive: 0,
+            left_out: 0,
             witnesses: Vec::new(),
             differing: 0,
             differing_witnesses: Vec::new(),
@@ -106,6 +108,13 @@ impl Tally {
                 row.differing += 1;
                 witness(&mut row.differing_witnesses, name);
             }
+        }
+    }
+
+    /// Which verdicts of the run that was counted last leave out what was pending at its end, in the order of the monitors.
+    pub fn left_out(&mut self, verdicts: impl IntoIterator<Item = bool>) {
+        for (row, left_out) in self.rows.iter_mut().zip(verdicts) {
+            row.left_out += u64::from(left_out);
         }
     }
 
@@ -207,6 +216,7 @@ impl Tally {
                 denominator: Denominator::default(),
                 trigger: None,
                 undecided: 0,
+                left_out: 0,
                 completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
@@ -229,6 +239,7 @@ impl Tally {
             denominator: self.denominator(main),
             trigger: self.trigger(study, main, intervals)?,
             undecided: main.inconclusive,
+            left_out: main.left_out,
             completions: None,
             readings: readings.collect(),
             witnesses: main.witnesses.clone(),
@@ -318,30 +329,14 @@ pub(super) fn witness(witnesses: &mut Vec<String>, name: &str) {
 
 /// Counts with the interval of a confidence sequence, which holds although the number of trials was
 /// chosen by looking at them. Whatever else is computed from the counts uses the greatest effective
-/// size at which Wilson's interval is nowhere within that one, and so pays the same price.
+/// size at which Clopper and Pearson's interval is nowhere within that one, and so pays the same price. (It is the one of the
+/// exact tests. Near a certainty, where such trials mostly end, Wilson's upper limit reaches that of a sequence for hardly any
+/// trials: one in 399 of 400, for 191.)
 pub fn anytime(sample: stats::Sample, level: stats::Confidence) -> Measure {
-    worth_as_much(sample, level, &|effective| stats::wilson(effective, level))
-}
-
-/// The same of counts in a table whose trials were stopped by what they showed, with Clopper and Pearson's interval in place of
-/// Wilson's: it is the one of the exact tests, and near a certainty, where such trials mostly end, Wilson's upper limit reaches
-/// that of a sequence for hardly any trials (one in 399 of 400, for 191).
-pub fn stopped(sample: stats::Sample, level: stats::Confidence) -> Measure {
-    worth_as_much(sample, level, &|effective| {
-        stats::clopper_pearson(effective, level)
-    })
-}
-
-/// Counts with the interval of a confidence sequence, and the greatest effective size at which another one is nowhere within it.
-fn worth_as_much(
-    sample: stats::Sample,
-    level: stats::Confidence,
-    fixed: &dyn Fn(stats::EffectiveSample) -> stats::Interval,
-) -> Measure {
     let sequence = stats::confidence_sequence(sample, level);
     let covers = |size: f64| {
         stats::EffectiveSample::at_size(sample, size).is_ok_and(|effective| {
-            let fixed = fixed(effective);
+            let fixed = stats::clopper_pearson(effective, level);
             fixed.low <= sequence.low && fixed.high >= sequence.high
         })
     };
@@ -400,6 +395,8 @@ mod tests {
         assert_eq!((tally.runs(), main.witnesses.len()), (15, WITNESSES));
         assert_eq!(main.witnesses[0], "run 0");
         assert_eq!((main.differing, tally.rows[1].differing), (0, 2));
+        tally.left_out([true, false]);
+        assert_eq!((tally.rows[0].left_out, tally.rows[1].left_out), (1, 0));
         tally.ended_by(4, Some(FailureKind::ControllerFailed));
         tally.ended_by(5, None);
         let failed: Vec<_> = tally.failed().collect();
@@ -430,9 +427,9 @@ mod tests {
                 "{successes} of {trials}: {size}"
             );
             let effective = stats::EffectiveSample::at_size(sample, size).expect("a size");
-            let wilson = stats::wilson(effective, level);
-            assert!(wilson.low <= interval.low && wilson.high >= interval.high);
-            let fixed = stats::wilson(sample, level);
+            let worth = stats::clopper_pearson(effective, level);
+            assert!(worth.low <= interval.low && worth.high >= interval.high);
+            let fixed = stats::clopper_pearson(sample, level);
             assert!(interval.high - interval.low > fixed.high - fixed.low);
         }
     }
@@ -443,7 +440,7 @@ mod tests {
         let level = stats::Confidence::P95;
         let size = |successes| {
             let sample = stats::Sample::new(successes, 400).expect("counts");
-            match stopped(sample, level) {
+            match anytime(sample, level) {
                 Measure::Counts {
                     effective_trials: Some(size),
                     ..

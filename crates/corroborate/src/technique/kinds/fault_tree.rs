@@ -262,6 +262,7 @@ impl Ready<'_> {
                 },
                 trigger: None,
                 undecided: 0,
+                left_out: 0,
                 completions: None,
                 witnesses: Vec::new(),
                 readings: Vec::new(),

@@ -34,6 +34,7 @@ fn finding(subject: Subject, measure: Measure) -> Finding {
         denominator: evidence::Denominator::default(),
         trigger: None,
         undecided: 0,
+        left_out: 0,
         completions: None,
         witnesses: vec!["episode-00002.mcap".into()],
         readings: vec![],

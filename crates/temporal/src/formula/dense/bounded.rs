@@ -141,6 +141,11 @@ impl Counter {
         self.doubtful
     }
 
+    /// The count as far as it is known.
+    pub(in crate::formula) fn so_far(&self) -> u64 {
+        self.count
+    }
+
     /// Ends the trace and gives the count.
     pub(in crate::formula) fn close(&mut self, ending: Ending) -> u64 {
         self.work.close(ending);

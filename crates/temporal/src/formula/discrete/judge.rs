@@ -289,6 +289,11 @@ impl DiscreteJudge {
         self.timeline.stored() + self.truth.stored() + lanes
     }
 
+    /// Whether the trigger was seen to become true, as far as that is known.
+    pub(in crate::formula) fn has_triggered(&self) -> bool {
+        self.trigger.as_ref().is_some_and(|it| it.risen > 0)
+    }
+
     /// Ends the trace. `complete` is false if it was cut short: then [`Ending::Finite`] is treated as
     /// [`Ending::Inconclusive`].
     #[must_use]
@@ -318,6 +323,7 @@ impl DiscreteJudge {
             samples: self.timeline.count(),
             decided_at_secs: self.decided_at_secs,
             ends_before: None,
+            left_out: None,
             explanation: None,
         }
     }
