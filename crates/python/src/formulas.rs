@@ -39,6 +39,9 @@ type Found = (
     u64,
     Option<f64>,
     Option<(f64, f64, Vec<Responsible>)>,
+    // What the trace ends before, and what was left out, in words.
+    Option<String>,
+    Option<String>,
 );
 
 #[pymethods]
@@ -207,6 +210,8 @@ fn found<T: AsRef<str>>(atoms: &[T], layout: &Layout, report: FormulaReport) -> 
         report.samples,
         report.decided_at_secs,
         explanation,
+        report.ends_before.map(|it| it.to_string()),
+        report.left_out.map(|it| it.to_string()),
     )
 }
 

@@ -60,8 +60,8 @@ impl TimeChoice {
 /// What is said of times behind the end of a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum EndingChoice {
-    /// The recording is all there is if it is as long as what the formula asks for; a shorter one leaves open what bounded
-    /// windows do not see of it.
+    /// The recording is all there is, but what is pending at its end in a bounded window violates nothing: it is left out, or
+    /// the verdict is open if no window was seen whole.
     #[default]
     LongEnough,
     /// The recording is all there is.

@@ -45,7 +45,7 @@ fn as_text(report: &ShrinkReport, study: &Path) -> String {
     let clarity = report.clarity_in_words();
     text.push_str(&format!("{clarity}\nwhat is left: {left}\n{causes}\n"));
     text.push_str(match report.is_minimal {
-        true => "no single action, value or setting can be left out, nor come nearer to its nominal value\n",
+        true => "no single action, value or setting can be left out, nor, in numbers of two digits, come nearer to its nominal value\n",
         false => "the search ended early: perhaps it can be made smaller still\n",
     });
     text + &format!(

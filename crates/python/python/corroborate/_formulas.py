@@ -101,6 +101,11 @@ class Judgement:
     """The time of the sample that determined the verdict; ``None`` if only the end did."""
     explanation: Union[Explanation, None]
     """Of a violation."""
+    ends_before: Union[str, None] = None
+    """How long the trace would have to be from its first trigger on (``"5 s"``), if the verdict is open only because it ends
+    before."""
+    left_out: Union[str, None] = None
+    """Within what of its end something began that is pending there (``"5 s"``), if the verdict leaves that out."""
 
 
 class Formula:
@@ -112,8 +117,8 @@ class Formula:
         parameters: values in seconds of names that stand in intervals.
         time: ``discrete`` (only samples count) or ``dense`` (signals have values between samples).
         interpolation: in dense time, ``hold`` (the last value) or ``linear`` (robustness in straight lines).
-        ending: what is said of times behind the end: ``long_enough`` (the trace is all there is, if it is as long as the bounded
-            windows of the formula reach; a shorter one leaves open what they do not see), ``finite`` (it is all there is),
+        ending: what is said of times behind the end: ``long_enough`` (the trace is all there is, but a bounded window that its
+            end cuts violates nothing: it is left out, or the verdict is open if none was seen whole), ``finite`` (it is all there is),
             ``inconclusive`` (nothing), ``weak`` (the benefit of the doubt), ``strong`` (none).
 
     A number without a unit has that of the signal it is compared with.
@@ -300,13 +305,13 @@ def _known_units(units: Mapping[str, str], columns: Mapping[str, Any]) -> None:
 
 
 def _judgement(found: Any) -> Judgement:
-    verdict, bounds, covered, samples, decided_at, explanation = found
+    verdict, bounds, covered, samples, decided_at, explanation, ends_before, left_out = found
     if explanation is not None:
         begins, ends, parts = explanation
         responsible = tuple(Responsible(text, value, since, until, tuple(reads)) for text, value, since, until, reads in parts)
         explanation = Explanation(begins, ends, responsible)
     robustness = None if bounds is None else Robustness(*bounds)
-    return Judgement(Verdict(verdict), robustness, covered, samples, decided_at, explanation)
+    return Judgement(Verdict(verdict), robustness, covered, samples, decided_at, explanation, ends_before, left_out)
 
 
 @dataclass(frozen=True)
@@ -330,6 +335,10 @@ class RecordingJudgement:
     explanation: Union[Explanation, None]
     complete: bool
     """Whether the recording was recorded to its end and all of it was read."""
+    ends_before: Union[str, None] = None
+    """As of :class:`Judgement`."""
+    left_out: Union[str, None] = None
+    """As of :class:`Judgement`."""
 
 
 @dataclass(frozen=True)
@@ -412,4 +421,6 @@ def _recording(recording: Mapping[str, Any], found: Mapping[str, Any]) -> Record
         found["decided_at_secs"],
         violation,
         recording["complete"],
+        found["ends_before"],
+        found["left_out"],
     )

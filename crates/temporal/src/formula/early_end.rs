@@ -127,12 +127,28 @@ fn ended(high_secs: f64) -> Option<f64> {
 fn looks_ahead(formula: &Formula) -> bool {
     matches!(
         formula,
-        Formula::Eventually(..)
+        Formula::Next(_)
+            | Formula::Eventually(..)
             | Formula::Always(..)
             | Formula::Until(..)
             | Formula::WeakUntil(..)
             | Formula::Release(..)
     )
+}
+
+/// Whether it is an operator of the past.
+fn looks_back(formula: &Formula) -> bool {
+    use Formula::{Fall, Historically, Once, Previous, Rise, Since};
+    matches!(
+        formula,
+        Previous(_) | Rise(_) | Fall(_) | Once(..) | Historically(..) | Since(..)
+    )
+}
+
+/// Whether a formula has operators of a kind.
+fn speaks_of(formula: &Formula, kind: fn(&Formula) -> bool) -> bool {
+    let mut operands = formula.operands().into_iter();
+    kind(formula) || operands.any(|it| speaks_of(it, kind))
 }
 
 /// The formula in which what a bounded window does not see is the atom `unknown`. Its intervals make sense.
@@ -230,6 +246,8 @@ struct Part {
     has_trigger: bool,
     /// Whether the end of a trace can violate it by its pending windows alone.
     ends_pending: bool,
+    /// Whether nothing that comes before the trigger of the formula can matter.
+    sleeps: bool,
 }
 
 /// They at work.
@@ -240,6 +258,8 @@ pub(super) struct EarlyJudge {
     left_out: Option<Horizon>,
     /// Until when the trace is known to have gone on.
     lasted_secs: f64,
+    /// A sample with the unknown atom.
+    longer: (Vec<Option<bool>>, Vec<f64>),
 }
 
 #[derive(Debug, Clone)]
@@ -248,6 +268,8 @@ struct PartJudge {
     horizon: Horizon,
     has_trigger: bool,
     ends_pending: bool,
+    /// Whether it waits for the trigger of the formula, which the formula itself sees.
+    sleeps: bool,
     /// When its windows began: at the trigger, or the first sample.
     began_secs: Option<f64>,
     /// How many samples came behind.
@@ -272,6 +294,7 @@ impl EarlyMonitor {
         let mut parts = Vec::new();
         for conjunct in conjuncts(formula) {
             let trigger = common.or_else(|| conjunct.trigger()).cloned();
+            let trigger = (trigger, common.is_some());
             parts.extend(Part::compile(&conjunct, trigger, unknown, settings)?);
         }
         Ok(Some(Self { parts }))
@@ -283,15 +306,16 @@ impl EarlyMonitor {
             parts: self.parts.iter().map(Part::start).collect(),
             left_out: None,
             lasted_secs: f64::NEG_INFINITY,
+            longer: Default::default(),
         }
     }
 }
 
 impl Part {
-    /// That of a conjunct; `None` if no end violates it.
+    /// That of a conjunct with its trigger, and whether that is the one of the formula; `None` if no end violates it.
     fn compile(
         conjunct: &Formula,
-        trigger: Option<Formula>,
+        (trigger, is_common): (Option<Formula>, bool),
         unknown: AtomId,
         settings: &Settings,
     ) -> Result<Option<Self>, CompileError> {
@@ -301,6 +325,12 @@ impl Part {
             return Ok(None);
         }
         let has_trigger = trigger.is_some();
+        let of_formula = is_common && settings.time == TimeModel::Discrete;
+        let sleeps = of_formula
+            && trigger
+                .as_ref()
+                .is_some_and(|it| !speaks_of(it, looks_ahead))
+            && !speaks_of(conjunct, looks_back);
         let settings = Settings {
             ending: Ending::Finite,
             explain_samples: 0,
@@ -315,6 +345,7 @@ impl Part {
             horizon,
             has_trigger,
             ends_pending,
+            sleeps,
         }))
     }
 
@@ -324,6 +355,7 @@ impl Part {
             horizon: self.horizon,
             has_trigger: self.has_trigger,
             ends_pending: self.ends_pending,
+            sleeps: self.sleeps,
             began_secs: None,
             samples: 0,
         }
@@ -373,13 +405,28 @@ impl EarlyJudge {
         time_secs: f64,
         samples: &[BothValues<'_>],
     ) -> Result<(), StepError> {
-        if self.parts.is_empty() {
+        if !self.is_at_work() {
             return Ok(());
         }
-        let longer: Vec<_> = samples.iter().map(with_unknown).collect();
-        let longer: Vec<BothValues<'_>> = longer.iter().map(|it| (&it.0[..], &it.1[..])).collect();
-        for part in &mut self.parts {
-            part.step(time_secs, &longer)?;
+        if let [(truth, values)] = samples {
+            // The longer sample is made where the last one was.
+            self.longer.0.clear();
+            self.longer.0.extend(truth.iter().copied().chain([None]));
+            self.longer.1.clear();
+            self.longer
+                .1
+                .extend(values.iter().copied().chain([f64::NAN]));
+            let longer = [(&self.longer.0[..], &self.longer.1[..])];
+            for part in self.parts.iter_mut().filter(|it| !it.sleeps) {
+                part.step(time_secs, &longer)?;
+            }
+        } else {
+            let longer: Vec<_> = samples.iter().map(with_unknown).collect();
+            let longer: Vec<BothValues<'_>> =
+                longer.iter().map(|it| (&it.0[..], &it.1[..])).collect();
+            for part in self.parts.iter_mut().filter(|it| !it.sleeps) {
+                part.step(time_secs, &longer)?;
+            }
         }
         self.leave_what_is_over(time_secs);
         Ok(())
@@ -393,7 +440,7 @@ impl EarlyJudge {
         held: BothValues<'_>,
     ) -> Result<(), StepError> {
         let (truth, values) = with_unknown(&held);
-        for part in &mut self.parts {
+        for part in self.parts.iter_mut().filter(|it| !it.sleeps) {
             part.judge.lose(span, next_secs, (&truth, &values))?;
         }
         Ok(())
@@ -414,9 +461,19 @@ impl EarlyJudge {
         self.parts.retain(|part| !over(part));
     }
 
-    /// Whether there are conjuncts that the trace is short of.
+    /// Whether there are conjuncts that the trace is short of, other than those that wait for the trigger of the formula.
     pub(super) fn is_at_work(&self) -> bool {
-        !self.parts.is_empty()
+        self.parts.iter().any(|part| !part.sleeps)
+    }
+
+    /// Whether there are such that wait for it.
+    pub(super) fn sleeps(&self) -> bool {
+        self.parts.iter().any(|part| part.sleeps)
+    }
+
+    /// The formula was triggered.
+    pub(super) fn wake(&mut self) {
+        self.parts.iter_mut().for_each(|part| part.sleeps = false);
     }
 
     /// Whether nothing came behind the last sample for so long that all windows ended, of the conjuncts that the trace is not short of.
@@ -440,7 +497,8 @@ impl EarlyJudge {
             return None;
         }
         let saw_all = self.saw_all(last_secs);
-        let parts = self.parts.into_iter();
+        // What was never triggered is not violated.
+        let parts = self.parts.into_iter().filter(|part| !part.sleeps);
         let found: Vec<_> = parts
             .map(|it| (it.horizon, it.judge.finish(true)))
             .collect();

@@ -215,6 +215,9 @@ impl FormulaJudge {
                 .iter()
                 .map(|&value| RobustnessBounds::of_value(value).truth()),
         );
+        if self.wakes() {
+            self.step_awake(time_secs, atoms)?;
+        }
         Ok(progress)
     }
 
@@ -235,6 +238,10 @@ impl FormulaJudge {
         let progress = either!(&mut self.work, judge => judge.step_truth(time_secs, atoms))?;
         self.last_secs = time_secs;
         self.keep(before, time_secs, atoms.iter().copied());
+        if self.wakes() {
+            let values: Vec<f64> = atoms.iter().map(|truth| value_of(*truth)).collect();
+            self.step_early(time_secs, &[(atoms, &values)])?;
+        }
         Ok(progress)
     }
 
@@ -272,8 +279,32 @@ impl FormulaJudge {
             None => self.take_instant(time_secs, samples),
             Some(losses) => self.step_marked(time_secs, samples, losses, false),
         }?;
+        self.wakes();
         self.step_early(time_secs, samples)?;
         Ok(progress)
+    }
+
+    /// Whether what is judged beside begins here, as the formula was triggered.
+    fn wakes(&mut self) -> bool {
+        let sleeps = self.early.as_ref().is_some_and(|early| early.sleeps());
+        let may_have_triggered = match &self.work {
+            Work::Discrete(judge) => judge.may_have_triggered(),
+            Work::Dense(_) => true,
+        };
+        if !sleeps || !may_have_triggered {
+            return false;
+        }
+        if let Some(early) = &mut self.early {
+            early.wake();
+        }
+        true
+    }
+
+    /// As [`FormulaJudge::step_early`], of a sample's robustness.
+    fn step_awake(&mut self, time_secs: f64, atoms: &[f64]) -> Result<(), StepError> {
+        let truth = |value: &f64| RobustnessBounds::of_value(*value).truth();
+        let truths: Vec<Option<bool>> = atoms.iter().map(truth).collect();
+        self.step_early(time_secs, &[(&truths, atoms)])
     }
 
     /// What is judged beside, as long as the trace is short and its end may decide.
@@ -440,6 +471,19 @@ impl FormulaJudge {
             let decided_at_secs = judge.decided_at_secs().unwrap_or(f64::INFINITY);
             let last = times_secs.partition_point(|&time_secs| time_secs <= decided_at_secs);
             self.record.push_many(&times_secs[..last], atoms);
+        }
+        if self.wakes() {
+            // None of those before the trigger matters, and it is among these.
+            let mut values = vec![f64::NAN; atoms.len()];
+            for (at, &time_secs) in times_secs.iter().enumerate() {
+                for (value, column) in values.iter_mut().zip(atoms) {
+                    *value = column[at];
+                }
+                self.step_awake(time_secs, &values)?;
+                if !self.is_watched() {
+                    break;
+                }
+            }
         }
         Ok(progress)
     }

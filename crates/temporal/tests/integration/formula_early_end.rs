@@ -252,6 +252,26 @@ fn by_each_sample(body: &Formula, is_triggered: bool, samples: &Samples) -> (Ver
     }
 }
 
+/// The same with so many samples at once, as numbers.
+fn in_parts(formula: &Formula, samples: &Samples, at_once: usize) -> FormulaReport {
+    let settings = Settings::discrete(Ending::LongEnough);
+    let mut judge = FormulaMonitor::compile(formula, &settings).unwrap().start();
+    for part in samples.chunks(at_once) {
+        let times_secs: Vec<f64> = part.iter().map(|(secs, _)| *secs).collect();
+        let column = |atom: usize| {
+            let number = |(_, atoms): &(f64, Vec<Option<bool>>)| match atoms[atom] {
+                Some(true) => f64::INFINITY,
+                _ => f64::NEG_INFINITY,
+            };
+            part.iter().map(number).collect::<Vec<f64>>()
+        };
+        let columns: Vec<Vec<f64>> = (0..formula.atom_count()).map(column).collect();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        judge.step_many(&times_secs, &columns).unwrap();
+    }
+    judge.finish(true)
+}
+
 #[test]
 fn what_is_pending_at_the_end_violates_nothing_and_is_left_out_beside_what_was_seen_whole() {
     let windows = [Interval::secs(0.0, 1.0), Interval::secs(0.5, 2.0)];
@@ -290,6 +310,13 @@ fn what_is_pending_at_the_end_violates_nothing_and_is_left_out_beside_what_was_s
             let finite = judged(&formula, &samples, Settings::discrete(Ending::Finite));
             let (meant, pending) = by_each_sample(&body, is_triggered, &samples);
             assert_eq!(said.verdict, meant, "{formula} on {samples:?}");
+            for at_once in [1, 4, samples.len()] {
+                assert_eq!(
+                    in_parts(&formula, &samples, at_once),
+                    said,
+                    "{formula} on {samples:?}"
+                );
+            }
             let is_turned = finite.verdict == Verdict::Violated && meant == Verdict::Satisfied;
             assert_eq!(
                 said.left_out.is_some(),

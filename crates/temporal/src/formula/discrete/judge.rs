@@ -289,6 +289,12 @@ impl DiscreteJudge {
         self.timeline.stored() + self.truth.stored() + lanes
     }
 
+    /// Whether the trigger may have become true.
+    pub(in crate::formula) fn may_have_triggered(&self) -> bool {
+        let may = |it: &Trigger| it.risen > 0 || it.doubtful;
+        self.trigger.as_ref().is_some_and(may)
+    }
+
     /// Whether the trigger was seen to become true, as far as that is known.
     pub(in crate::formula) fn has_triggered(&self) -> bool {
         self.trigger.as_ref().is_some_and(|it| it.risen > 0)
