@@ -30,6 +30,8 @@ pub struct InspectRequest {
     pub gap_factor: f64,
     /// Folders with the packages or models that a description names, besides those around it.
     pub packages: Vec<PathBuf>,
+    /// Values of the arguments (`xacro:arg`) of a description in xacro, by name.
+    pub arguments: robot_model::Arguments,
 }
 
 impl InspectRequest {
@@ -40,6 +42,7 @@ impl InspectRequest {
             opening: OpenOptions::default(),
             gap_factor: 5.0,
             packages: Vec::new(),
+            arguments: robot_model::Arguments::new(),
         }
     }
 }
@@ -97,7 +100,7 @@ pub fn inspect(request: &InspectRequest, host: &Host) -> Result<Inspected, Probl
         return Ok(Inspected::Study(Box::new(found)));
     }
     if description::is_description(&request.file) {
-        let loaded = description::load(&request.file, &request.packages)?;
+        let loaded = description::load(&request.file, &request.packages, &request.arguments)?;
         return Ok(Inspected::Description(Box::new(loaded)));
     }
     let options = InspectOptions {

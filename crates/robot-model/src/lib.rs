@@ -62,16 +62,29 @@ pub use sdf::parse_sdf;
 pub use sensor::{Camera, Fan, Lidar, Noise, Sensor, SensorKind};
 pub use shape::{Friction, Geometry, Inertial, Mask, Role, Shape};
 pub use urdf::parse_urdf;
-pub use xacro::expand_xacro;
+pub use xacro::{Arguments, expand_xacro};
 
 /// Reads a description in any of the languages, by its root element: `<robot>`, `<sdf>` or `<mujoco>`.
 ///
 /// # Errors
 /// All problems that prevent loading, with their places.
 pub fn parse(file: &str, text: &str, resolve: &mut Resolver<'_>) -> Result<Loaded, Problems> {
+    parse_with(file, text, &Arguments::new(), resolve)
+}
+
+/// The same of a xacro file with values of its `xacro:arg`s by name.
+///
+/// # Errors
+/// As of [`parse`]; and if the description has no such argument.
+pub fn parse_with(
+    file: &str,
+    text: &str,
+    arguments: &Arguments,
+    resolve: &mut Resolver<'_>,
+) -> Result<Loaded, Problems> {
     let root = xml::read(file, text).map_err(|problem| Problems(vec![problem]))?;
     let mut reader = reader::Reader::new(resolve);
-    let root = reader.expanded(root)?;
+    let root = reader.expanded(root, arguments)?;
     let model = match root.name.as_str() {
         "robot" => urdf::robot(&mut reader, &root),
         "mujoco" => mjcf::document(&mut reader, root),

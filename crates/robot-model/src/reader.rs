@@ -7,7 +7,7 @@ use crate::diagnostics::{Effect, Gap, Place, Problem, Problems};
 use crate::mesh::{self, Mesh, MeshError};
 use crate::model::Model;
 use crate::pose::{Vector, direction};
-use crate::xacro;
+use crate::xacro::{self, Arguments};
 use crate::xml::{self, Element};
 
 /// Gives the bytes of what a description names, or a sentence saying why not.
@@ -342,11 +342,20 @@ impl<'r, 's> Reader<'r, 's> {
     }
 
     /// The XML that a description stands for, if it is a xacro template; else the description.
-    pub fn expanded(&mut self, root: Element) -> Result<Element, Problems> {
-        match xacro::is_template(&root) {
-            true => xacro::expand(self, root, BTreeMap::new())
-                .map_err(|problem| Problems(vec![problem])),
-            false => Ok(root),
+    pub fn expanded(&mut self, root: Element, arguments: &Arguments) -> Result<Element, Problems> {
+        let place = root.place.clone();
+        let (root, declared) = match xacro::is_template(&root) {
+            true => xacro::expand(self, root, arguments.clone())
+                .map_err(|problem| Problems(vec![problem]))?,
+            false => (root, Vec::new()),
+        };
+        let unknown = arguments.keys().filter(|name| !declared.contains(name));
+        let problems: Vec<Problem> = unknown
+            .map(|name| xacro::no_such_argument(&place, name, &declared))
+            .collect();
+        match problems.is_empty() {
+            true => Ok(root),
+            false => Err(Problems(problems)),
         }
     }
 

@@ -162,6 +162,10 @@ pub struct Inspect {
     /// repeated. The folders around the description are searched too.
     #[arg(long, value_name = "FOLDER")]
     pub packages: Vec<PathBuf>,
+    /// A value of an argument (`xacro:arg`) of a description in xacro; may be repeated. In a scene they stand in the robot's
+    /// `arguments`.
+    #[arg(long = "argument", value_name = "NAME=VALUE", value_parser = named_value)]
+    pub arguments: Vec<(String, String)>,
     /// Write a draft of the topic map to this new file (`-`: print it instead
     /// of the table).
     #[arg(long, value_name = "FILE")]
@@ -214,6 +218,12 @@ fn from_zero(text: &str) -> Result<f64, String> {
         Ok(value) if value >= 0.0 => Ok(value),
         _ => Err("must be a number of seconds from 0, for example 0.5".into()),
     }
+}
+
+fn named_value(text: &str) -> Result<(String, String), String> {
+    let (name, value) = (text.split_once(":=").or_else(|| text.split_once('=')))
+        .ok_or("write NAME=VALUE, for example ur_type=ur5e")?;
+    Ok((name.to_owned(), value.to_owned()))
 }
 
 fn gap_factor(text: &str) -> Result<f64, String> {

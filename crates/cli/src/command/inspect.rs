@@ -22,6 +22,7 @@ pub fn inspect(arguments: &Inspect, host: &Host) -> Result<Done, Problem> {
         opening: arguments.opening.options(),
         gap_factor: arguments.gap_factor,
         packages: arguments.packages.clone(),
+        arguments: arguments.arguments.iter().cloned().collect(),
     };
     let found = corroborate::inspect(&request, host)?;
     let outcome = found.outcome();

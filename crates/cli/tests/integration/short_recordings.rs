@@ -77,7 +77,7 @@ fn recordings_that_end_too_early_are_counted_against_and_for() {
             "{judging}: {hold}"
         );
         assert_eq!(hold["undecided"], 2, "{judging}");
-        let why = "A run that ends before the 10 s that the requirement asks for may reach none";
+        let why = "A run that ends before the 10 s that the requirement asks for (from its first trigger on, if it has one) may reach none";
         let words: Vec<&str> = said.out.split_whitespace().collect();
         assert!(words.join(" ").contains(why), "{said:?}");
     }
@@ -119,4 +119,41 @@ fn a_formula_alone_says_what_it_asks_for() {
     let told = "is inconclusive: it asks for 10 s, and the recording ends before";
     assert!(said.out.contains(told), "{said:?}");
     assert_eq!(monitor(&["--ending", "finite"]).code, 0);
+}
+
+/// Ten seconds in which the force drops for a second at these times, and is regained where `regained` says so.
+fn dropping(drops_secs: &[u32], regained: bool) -> String {
+    let force = |tenth: u32| match drops_secs.iter().any(|at| tenth / 10 == *at) {
+        true => 0,
+        false if regained || drops_secs.iter().all(|at| tenth / 10 < *at) => 5,
+        false => 1,
+    };
+    let rows = (0..=100).map(|tenth| format!("{},{}\n", f64::from(tenth) / 10.0, force(tenth)));
+    format!("time_secs,/gripper.force [N]\n{}", rows.collect::<String>())
+}
+
+/// What is asked for in the last second of a recording is no violation, and nothing that was kept.
+#[test]
+fn what_is_pending_at_the_end_is_open_or_left_out_with_its_number() {
+    let asked = "formula = \"always (/gripper.force < 0.5 N => eventually[0, 5 s] held)\"";
+    let late = || dropping(&[9], false);
+    let (folder, said) = run(asked, &[late(), late(), late()]);
+    assert_eq!(said.code, 3, "{said:?}");
+    let hold = finding(folder.path(), "hold");
+    let pending = (&hold["undecided"], &hold["measure"]["kind"]);
+    assert_eq!(pending, (&3.into(), &"not-covered".into()), "{hold}");
+
+    let again = dropping(&[2, 10], true);
+    let never = dropping(&[2], false);
+    let (folder, said) = run(asked, &[again.clone(), again, never]);
+    let hold = finding(folder.path(), "hold");
+    let counts = (&hold["measure"]["count"], &hold["measure"]["trials"]);
+    assert_eq!(counts, (&2.into(), &3.into()), "{hold}");
+    assert_eq!(hold["left_out"], 2, "{hold}");
+    let told =
+        "in 2 of 3 recordings something of requirement hold began in the last 5 s and is pending";
+    assert!(said.talk.contains(told), "{said:?}");
+    let words: Vec<&str> = said.out.split_whitespace().collect();
+    let why = "In 2 runs of O something that the requirement asks for was pending at the end";
+    assert!(words.join(" ").contains(why), "{said:?}");
 }

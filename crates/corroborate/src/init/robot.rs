@@ -25,7 +25,7 @@ const GUESSED_SPEED: f64 = 1.0;
 /// # Errors
 /// Those of reading it; `description-refused` with the reasons that `inspect` shows.
 pub(super) fn draft(file: &Path) -> Result<Draft, Problem> {
-    let loaded = crate::inspect::load(file, &[])?;
+    let loaded = crate::inspect::load(file, &[], &Default::default())?;
     refuse(file, &loaded)?;
     let address = std::path::absolute(file).map_err(|error| Problem::cannot_read(file, &error))?;
     let Some(address) = address.to_str() else {

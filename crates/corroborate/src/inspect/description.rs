@@ -1,7 +1,7 @@
 //! What is in a description of a robot or a scene: its tree, and what of it a simulation would not have.
 
 use diagnostic::{Problem, Source};
-use robot_model::{Loaded, Model, Role, own_package_path, package_paths};
+use robot_model::{Arguments, Loaded, Model, Role, own_package_path, package_paths};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -133,12 +133,16 @@ impl DescriptionReport {
     }
 }
 
-/// Reads a description with what it names in packages of these folders and of those around it.
-pub(crate) fn load(path: &Path, packages: &[PathBuf]) -> Result<Loaded, Problem> {
+/// Reads a description with values of its arguments, and what it names in packages of these folders and of those around it.
+pub(crate) fn load(
+    path: &Path,
+    packages: &[PathBuf],
+    arguments: &Arguments,
+) -> Result<Loaded, Problem> {
     let source = host::files::read_source(path)?;
     let name = path.display().to_string();
     let mut resolve = |address: &str| resolved(path, packages, address);
-    robot_model::parse(&name, &source.text, &mut resolve)
+    robot_model::parse_with(&name, &source.text, arguments, &mut resolve)
         .map_err(|problems| refused(&source, &name, &problems))
 }
 

@@ -275,8 +275,7 @@ fn too_short(all: &[Vec<Judgement<'_>>]) -> Vec<String> {
     let line = |(subject, (asked, count)): (&Subject, (Horizon, u64))| {
         let subject = subject.in_words();
         format!(
-            "{count} of {} recordings end before the {asked} that {subject} asks for, from its first trigger on, and reach no \
-             verdict on it",
+            "{count} of {} recordings end before the {asked} that {subject} asks for, and reach no verdict on it",
             all.len()
         )
     };

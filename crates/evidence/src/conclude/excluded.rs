@@ -113,8 +113,8 @@ fn undecided_in_words(piece: &Evidence, finding: &Finding, asks_for: Option<&str
     };
     match asks_for {
         Some(asked) => format!(
-            "{became} A run that ends before the {asked} that the requirement asks for, from its first trigger on, may reach none \
-             (`corroborate explain finite-trace`)."
+            "{became} A run that ends before the {asked} that the requirement asks for (from its first trigger on, if it has one) may \
+             reach none (`corroborate explain finite-trace`)."
         ),
         None => became,
     }

@@ -143,6 +143,20 @@ impl Binder<'_> {
         });
     }
 
+    /// The first topic that has a field of the last part of a name, as a question.
+    fn meant(&self, name: &str) -> String {
+        let name = name.trim_start_matches('/');
+        let behind = |separator: char| name.split_once(separator).map(|(_, path)| path);
+        let paths = [Some(name), behind('/'), behind('.')];
+        let found = paths.into_iter().flatten().find_map(|path| {
+            let has = |info: &&TopicInfo| (self.kind_of)(info, path).is_ok();
+            Some((self.topics.iter().find(has)?, path))
+        });
+        found.map_or_else(String::new, |(topic, path)| {
+            format!(" (did you mean {}.{path}?)", topic.name)
+        })
+    }
+
     /// A signal without an entry: the longest topic with which its name begins, and a path.
     fn identity(&mut self, name: &str) {
         if !self.done.insert(name.to_owned()) {
@@ -150,8 +164,9 @@ impl Binder<'_> {
         }
         let Some((topic, path)) = split_at_topic(self.topics, name) else {
             let message = format!(
-                "neither the topic map nor the recording has it; {}",
-                self.there()
+                "neither the topic map nor the recording has it; {}{}",
+                self.there(),
+                self.meant(name)
             );
             return self.lacks(name, message);
         };

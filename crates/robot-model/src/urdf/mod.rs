@@ -29,7 +29,7 @@ use links::RawLink;
 pub fn parse_urdf(file: &str, text: &str, resolve: &mut Resolver<'_>) -> Result<Loaded, Problems> {
     let root = xml::read(file, text).map_err(|problem| Problems(vec![problem]))?;
     let mut reader = Reader::new(resolve);
-    let root = reader.expanded(root)?;
+    let root = reader.expanded(root, &Default::default())?;
     let model = robot(&mut reader, &root);
     reader.finish(model)
 }

@@ -32,17 +32,18 @@ const KEYWORDS: [&str; 12] = [
 
 type Expanded<T> = Result<T, Problem>;
 
-/// The XML that a template stands for, with values of its arguments.
+/// The XML that a template stands for, with values of its arguments; and the names of those that it declares.
 pub(crate) fn expand(
     reader: &mut Reader<'_, '_>,
     root: Element,
-    arguments: BTreeMap<String, String>,
-) -> Result<Element, Problem> {
+    arguments: Arguments,
+) -> Result<(Element, Vec<String>), Problem> {
     let (scopes, at) = Scopes::new();
     let mut expander = Expander {
         reader,
         scopes,
         arguments,
+        declared: Vec::new(),
         files: vec![Arc::clone(&root.place.file)],
         calls: Vec::new(),
         depth: 0,
@@ -52,14 +53,16 @@ pub(crate) fn expand(
     };
     let mut root = root;
     expander.element(&mut root, at)?;
-    Ok(root)
+    Ok((root, expander.declared))
 }
 
 struct Expander<'e, 'r, 's> {
     reader: &'e mut Reader<'r, 's>,
     scopes: Scopes,
     /// The values of `xacro:arg`.
-    arguments: BTreeMap<String, String>,
+    arguments: Arguments,
+    /// The names of those that the template declares, in their order.
+    declared: Vec<String>,
     /// The files that are being read, the innermost last.
     files: Vec<Arc<str>>,
     /// The macros that are being expanded, with where they are called.
@@ -373,6 +376,9 @@ impl Expander<'_, '_, '_> {
     fn declare(&mut self, element: &Element, at: At) -> Expanded<()> {
         let name = self.required(element, "name")?.value.clone();
         let default = self.required(element, "default")?.clone();
+        if !self.declared.contains(&name) {
+            self.declared.push(name.clone());
+        }
         if !self.arguments.contains_key(&name) {
             let value = self.text_at(&default.value, &default.place, at)?;
             self.arguments.insert(name, value);

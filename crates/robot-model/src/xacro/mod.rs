@@ -21,13 +21,32 @@ mod text;
 mod value;
 mod yaml;
 
-use crate::diagnostics::Problems;
+use crate::diagnostics::{Place, Problem, Problems};
 use crate::reader::{Reader, Resolver};
 use crate::xml::{self, Element};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 pub(crate) use expand::expand;
+
+/// Values of `xacro:arg`s, by name.
+pub type Arguments = BTreeMap<String, String>;
+
+/// What is said of a value for an argument that no `xacro:arg` declares.
+pub(crate) fn no_such_argument(place: &Place, name: &str, declared: &[String]) -> Problem {
+    let message = match declared {
+        [] => format!("the description has no arguments, and a value is given for `{name}`"),
+        _ => format!(
+            "the description has no argument `{name}`; it has {}",
+            declared.join(", ")
+        ),
+    };
+    Problem {
+        place: place.clone(),
+        message,
+        remedy: "correct the name, or leave it out".to_owned(),
+    }
+}
 
 /// Whether an element or one below it has to be expanded.
 pub(crate) fn is_template(root: &Element) -> bool {
@@ -74,13 +93,13 @@ pub(crate) fn is_template(root: &Element) -> bool {
 pub fn expand_xacro(
     file: &str,
     text: &str,
-    arguments: &BTreeMap<String, String>,
+    arguments: &Arguments,
     resolve: &mut Resolver<'_>,
 ) -> Result<String, Problems> {
     let one = |problem| Problems(vec![problem]);
     let root = xml::read(file, text).map_err(one)?;
     let mut reader = Reader::new(resolve);
-    let root = expand(&mut reader, root, arguments.clone()).map_err(one)?;
+    let (root, _) = expand(&mut reader, root, arguments.clone()).map_err(one)?;
     let mut text = String::from("<?xml version=\"1.0\"?>\n");
     write(&root, 0, &mut text);
     Ok(text)

@@ -311,7 +311,7 @@ fn arms_of(
                 .filter(|it| it.group == actuator.name)
                 .cloned()
                 .collect();
-            let model = models.get(&data.robots[robot].file);
+            let model = models.get(&data.robots[robot].description());
             let at_work = model
                 .map(|model| Grouping::new(group, &built.robots[robot], &built.layout, model, own));
             (at_work.map(Box::new), None)

@@ -384,7 +384,7 @@ fn check_waypoints(
         if varies {
             continue;
         }
-        let Some(model) = models.get(&robot.file) else {
+        let Some(model) = models.get(&robot.description()) else {
             continue;
         };
         let at_work = Grouping::new(group, &built.robots[place], &built.layout, model, own);

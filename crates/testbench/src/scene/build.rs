@@ -10,6 +10,7 @@ use super::data::{
 };
 use super::draws::Draws;
 use super::fingers::{begin_together, carry, join};
+use super::load::Description;
 use super::materials::coat;
 use super::person::body_of;
 use super::sensing::joints_of;
@@ -23,8 +24,8 @@ use crate::physics::{
 };
 use crate::viewer::{Geometry, Role, VisibleShape};
 
-/// The parsed descriptions of robots and objects, by file.
-pub(super) type Models = BTreeMap<String, robot_model::Model>;
+/// The parsed descriptions of robots and objects, by file and arguments.
+pub(super) type Models = BTreeMap<Description, robot_model::Model>;
 
 /// A layout, and the places in it of what the scene names.
 #[derive(Debug, Clone)]
@@ -233,7 +234,7 @@ fn add_robot(
     group: u8,
 ) -> Result<BuiltRobot, ScenarioError> {
     let key = |field: &str| super::data::key_of("robot", &robot.name, field);
-    let model = model_of(models, &robot.file, &key("file"))?;
+    let model = model_of(models, &robot.description(), &key("file"))?;
     let pose = draws.place("robot", &robot.name, &robot.place());
     let friction = draws.of("robot", &robot.name, "friction", &robot.friction);
     let added = add_model(
@@ -271,12 +272,12 @@ fn add_robot(
 
 fn model_of<'a>(
     models: &'a Models,
-    file: &str,
+    of: &Description,
     key: &str,
 ) -> Result<&'a robot_model::Model, ScenarioError> {
-    models.get(file).ok_or_else(|| ScenarioError::UnknownName {
+    models.get(of).ok_or_else(|| ScenarioError::UnknownName {
         key: key.to_owned(),
-        name: file.to_owned(),
+        name: of.0.clone(),
     })
 }
 
@@ -289,9 +290,9 @@ fn add_object(
 ) -> Result<BuiltObject, ScenarioError> {
     let pose = draws.place("object", &object.name, &object.place());
     let friction = draws.of("object", &object.name, "friction", &object.friction);
-    if let Some(file) = &object.file {
+    if let Some(of) = object.description() {
         let key = super::data::key_of("object", &object.name, "file");
-        let model = model_of(models, file, &key)?;
+        let model = model_of(models, &of, &key)?;
         let added = add_model(
             layout,
             &object.name,

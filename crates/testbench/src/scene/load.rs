@@ -9,6 +9,9 @@ use super::data::SceneData;
 use super::gaps::{SceneGap, description_gaps};
 use crate::bench::ScenarioError;
 
+/// A file with the values of its arguments.
+pub(super) type Description = (String, robot_model::Arguments);
+
 /// Gives the bytes of a file by its path relative to the scene's.
 pub(super) type ReadFile<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
 
@@ -20,30 +23,36 @@ pub(super) fn load(
     data: &SceneData,
     file: &ReadFile<'_>,
 ) -> Result<(Models, Vec<SceneGap>), ScenarioError> {
-    let robots = data.robots.iter().map(|robot| (&robot.file, robot.fixed));
+    let robots = data.robots.iter();
+    let robots = robots.map(|robot| (robot.description(), robot.fixed));
     let objects = data.objects.iter();
-    let objects = objects.filter_map(|object| Some((object.file.as_ref()?, object.fixed)));
-    let mut read: BTreeMap<String, Loaded> = BTreeMap::new();
+    let objects = objects.filter_map(|object| Some((object.description()?, object.fixed)));
+    let mut read: BTreeMap<Description, Loaded> = BTreeMap::new();
     let mut gaps = Vec::new();
-    for (path, fixed) in robots.chain(objects) {
-        if !read.contains_key(path) {
-            let loaded = description(path, file)?;
-            gaps.extend(description_gaps(path, &loaded));
-            read.insert(path.clone(), loaded);
+    for (of, fixed) in robots.chain(objects) {
+        let path = of.0.clone();
+        if !read.contains_key(&of) {
+            let loaded = description(&of, file)?;
+            gaps.extend(description_gaps(&path, &loaded));
+            read.insert(of.clone(), loaded);
         }
-        let refusals = read.get(path).map(|loaded| loaded.refusals(fixed));
+        let refusals = read.get(&of).map(|loaded| loaded.refusals(fixed));
         if let Some(refusals) = refusals.filter(|refusals| !refusals.is_empty()) {
             return Err(ScenarioError::Description {
-                file: path.clone(),
+                file: path,
                 reason: Problems(refusals).to_string(),
             });
         }
     }
-    let models = read.into_iter().map(|(path, loaded)| (path, loaded.model));
+    let models = read.into_iter().map(|(of, loaded)| (of, loaded.model));
     Ok((models.collect(), gaps))
 }
 
-fn description(path: &str, file: &ReadFile<'_>) -> Result<Loaded, ScenarioError> {
+fn description(
+    (path, arguments): &Description,
+    file: &ReadFile<'_>,
+) -> Result<Loaded, ScenarioError> {
+    let path = path.as_str();
     let bad = |reason: String| ScenarioError::Description {
         file: path.to_owned(),
         reason,
@@ -62,5 +71,6 @@ fn description(path: &str, file: &ReadFile<'_>) -> Result<Loaded, ScenarioError>
         let found = found.or_else(|| file(&own()?).ok());
         found.ok_or_else(|| "no such file in the folders around the description".to_owned())
     };
-    robot_model::parse(path, &text, &mut resolve).map_err(|problems| bad(problems.to_string()))
+    robot_model::parse_with(path, &text, arguments, &mut resolve)
+        .map_err(|problems| bad(problems.to_string()))
 }

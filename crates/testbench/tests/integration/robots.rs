@@ -67,3 +67,51 @@ fn a_moving_link_without_mass_is_refused_with_its_place() {
         "{refused}"
     );
 }
+
+/// Two robots of one xacro file with arguments of their own, and a name that the file does not have.
+#[test]
+fn a_xacro_file_has_the_arguments_of_each_robot() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let text = r#"<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="mass" default="1"/><xacro:arg name="long" default="false"/>
+  <link name="base"/>
+  <link name="arm"><inertial><mass value="$(arg mass)"/><inertia ixx="0.1" iyy="0.1" izz="0.1"/></inertial></link>
+  <joint name="turns" type="continuous"><parent link="base"/><child link="arm"/></joint>
+  <xacro:if value="$(arg long)">
+    <link name="more"><inertial><mass value="2"/><inertia ixx="0.1" iyy="0.1" izz="0.1"/></inertial></link>
+    <joint name="more" type="continuous"><parent link="arm"/><child link="more"/></joint>
+  </xacro:if></robot>"#;
+    let made = |scene: &str| {
+        let read = |_: &str| Ok(text.as_bytes().to_vec());
+        let none = Arc::new(|_: &_| {
+            Err(ControllerError::Failed {
+                message: "none".into(),
+            })
+        });
+        SceneBench::new(scene, &read, mujoco(&engine), none)
+    };
+    let scene = |arguments: &str| {
+        let other =
+            "[[robot]]\nname = \"other\"\nfile = \"robots/arm/urdf/arm.urdf\"\nfixed = true\n";
+        format!("{SCENE}{arguments}{other}")
+    };
+    let (bench, _) = made(&scene("arguments = { mass = 2.5, long = true }\n")).expect("it runs");
+    let layout = bench.layout_of(1).expect("laid out");
+    // Two joints of the one with `long`, one of the other.
+    assert_eq!(layout.joints.len(), 3);
+    let mut masses: Vec<f64> = (layout.bodies.iter())
+        .filter_map(|it| Some(it.inertia.as_ref()?.mass_kg))
+        .collect();
+    masses.sort_by(f64::total_cmp);
+    assert_eq!(masses, [1.0, 2.0, 2.5]);
+    let Err(refused) = made(&scene("arguments = { lenght = true }\n")) else {
+        panic!("it has no such argument");
+    };
+    let refused = refused.to_string();
+    assert!(
+        refused.contains("no argument `lenght`; it has mass, long"),
+        "{refused}"
+    );
+}

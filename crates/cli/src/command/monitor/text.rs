@@ -42,7 +42,11 @@ fn of_recording(output: &mut String, recording: &RecordingVerdicts) {
         if let Some(asked) = &verdict.ends_before {
             let _ = writeln!(
                 output,
-                "{file}: {label} is inconclusive: it asks for {asked} from its first trigger on, and the recording ends before"
+                "{file}: {label} is inconclusive: it asks for {asked}{}, and the recording ends before",
+                match verdict.covered {
+                    0 => "",
+                    _ => " from its first trigger on",
+                }
             );
         }
         if let Some(asked) = &verdict.left_out {

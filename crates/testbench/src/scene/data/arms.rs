@@ -167,13 +167,13 @@ impl SceneData {
     /// All joints that a description does not have or that cannot be driven, and limits that nothing gives.
     pub(in crate::scene) fn complete(
         &mut self,
-        models: &BTreeMap<String, robot_model::Model>,
+        models: &crate::scene::build::Models,
         captures: &crate::scene::capture::Files,
     ) -> Result<(), ScenarioError> {
         let mut wrong = crate::scene::capture::complete(self, captures);
         let step_secs = self.simulation.time_step_secs;
         for robot in &mut self.robots {
-            let model = models.get(&robot.file);
+            let model = models.get(&robot.description());
             wrong.extend(model.into_iter().flat_map(|it| beyond_limits(robot, it)));
             let slides = |name: &&String| {
                 let joint = model.and_then(|model| Some(&model.joints[model.joint(name)?]));
@@ -186,15 +186,15 @@ impl SceneData {
                 .cloned()
                 .collect();
         }
-        let files: BTreeMap<&str, &str> = self
+        let files: BTreeMap<&str, _> = self
             .robots
             .iter()
-            .map(|robot| (robot.name.as_str(), robot.file.as_str()))
+            .map(|robot| (robot.name.as_str(), robot.description()))
             .collect();
         for actuator in &mut self.actuators {
             let Some(model) = files
                 .get(actuator.robot.as_str())
-                .and_then(|it| models.get(*it))
+                .and_then(|it| models.get(it))
             else {
                 continue;
             };

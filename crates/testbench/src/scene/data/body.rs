@@ -1,6 +1,7 @@
 //! Robots, objects and drives in a scene's file.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -12,6 +13,7 @@ use super::{key_of, number_within, within, zero};
 use crate::bench::ScenarioError;
 use crate::controller::PortField;
 use crate::geometry::Vector;
+use crate::scene::load::Description;
 
 /// Where something stands at the beginning, in the world.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]
@@ -46,14 +48,42 @@ impl PlaceKeys {
     }
 }
 
+/// A value of an argument of a description.
+#[derive(Debug, Clone, PartialEq, JsonSchema, Deserialize)]
+#[serde(untagged)]
+pub enum Argument {
+    /// `true` or `false`.
+    Truth(bool),
+    /// A whole number.
+    Whole(i64),
+    /// Another number.
+    Number(f64),
+    /// A text.
+    Text(String),
+}
+
+impl fmt::Display for Argument {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Truth(value) => value.fmt(out),
+            Self::Whole(value) => value.fmt(out),
+            Self::Number(value) => fmt::Debug::fmt(value, out),
+            Self::Text(value) => value.fmt(out),
+        }
+    }
+}
+
 /// A robot: a description of its links and joints, and where it stands.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Robot {
     /// Its name.
     pub name: String,
-    /// URDF, SDF or MJCF, relative to the scene's file.
+    /// URDF (also in xacro), SDF or MJCF, relative to the scene's file.
     pub file: String,
+    /// Values of the arguments (`xacro:arg`) of a description in xacro, by name: texts, numbers or truth values.
+    #[serde(default)]
+    pub arguments: BTreeMap<String, Argument>,
     /// Where its root stands.
     #[serde(default = "zero")]
     #[allow(missing_docs, reason = "names carry quantity and unit")]
@@ -155,6 +185,12 @@ macro_rules! place_of {
 }
 
 impl Robot {
+    /// Its description: the file, with the values of its arguments; robots of the same share what is read.
+    pub(in crate::scene) fn description(&self) -> Description {
+        let text = |(name, value): (&String, &Argument)| (name.clone(), value.to_string());
+        (self.file.clone(), self.arguments.iter().map(text).collect())
+    }
+
     /// Where it stands.
     #[must_use]
     pub fn place(&self) -> PlaceKeys {
@@ -176,6 +212,11 @@ impl Robot {
 }
 
 impl Object {
+    /// Its description, if it has one.
+    pub(in crate::scene) fn description(&self) -> Option<Description> {
+        Some((self.file.clone()?, robot_model::Arguments::new()))
+    }
+
     /// Where it stands.
     #[must_use]
     pub fn place(&self) -> PlaceKeys {
