@@ -5,11 +5,10 @@ use super::parse::parse;
 use super::scopes::{At, Entry, Macro, Scopes};
 use super::text::{Part, parameters, parts};
 use super::value::{Value, literal, number, whole};
-use super::yaml;
+use super::{Arguments, yaml};
 use crate::diagnostics::{Place, Problem};
 use crate::reader::{Reader, joined};
 use crate::xml::{self, Attribute, Element};
-use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
