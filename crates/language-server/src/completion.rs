@@ -94,7 +94,7 @@ impl Found {
         for name in view.declared(Space::Value) {
             let (kind, detail) = match () {
                 () if view.constant(name).is_some() => {
-                    let value = view.resolved.as_ref().and_then(|it| it.constant(name));
+                    let value = view.resolved_already().and_then(|it| it.constant(name));
                     let shown = value.map_or_else(String::new, |it| format!("constant, {it}"));
                     (CompletionItemKind::CONSTANT, shown)
                 }
@@ -161,19 +161,21 @@ fn place_in_model(before: &str) -> Place {
         return Place::Action;
     }
     if in_module {
-        let header = trimmed.starts_with("module") || trimmed.contains("\nmodule");
-        let begins = trimmed.is_empty()
-            || header && trimmed.split_whitespace().count() == 2 && rest.ends_with('\n');
-        return match (begins, header && trimmed.split_whitespace().count() < 2) {
-            (true, _) => Place::Module,
-            (_, true) => Place::Nowhere,
+        // Behind the word `module` comes the new name, and behind that, on a line of its own, the first declaration.
+        let mut parts = trimmed.split_whitespace();
+        let is_header = parts.by_ref().any(|it| it == "module");
+        return match (trimmed.is_empty(), is_header, parts.count()) {
+            (true, ..) => Place::Module,
+            (_, true, 1) if rest.ends_with('\n') => Place::Module,
+            (_, true, 0 | 1) => Place::Nowhere,
             _ => Place::Expression,
         };
     }
     let of_type = ["dtmc", "ctmc", "mdp", "pta", "endmodule", "endrewards", "endinit", "endsystem"];
     let is_top = trimmed.is_empty() || of_type.iter().any(|it| trimmed.ends_with(it));
     let invents = ["const", "int", "double", "bool", "formula", "label", "global", "module", "rewards"];
-    let invents = invents.iter().any(|it| trimmed == *it || trimmed.ends_with(&format!(" {it}")));
+    let last = trimmed.split_whitespace().next_back().unwrap_or("");
+    let invents = invents.contains(&last);
     match (is_top, invents) {
         (true, _) => Place::TopLevel,
         (_, true) => Place::Nowhere,

@@ -10,36 +10,58 @@ use std::path::{Path, PathBuf};
 /// What stands at a place; in a renamed copy, a name may stand for two things.
 #[must_use]
 pub fn at(workspace: &Workspace, path: &Path, offset: usize) -> Vec<Mention> {
-    in_file(workspace, path)
-        .into_iter()
-        .filter(|it| it.span.start <= offset && offset <= it.span.end)
-        .collect()
+    let is_at = |it: &Occurrence| it.span.start <= offset && offset <= it.span.end;
+    match with_names(workspace, path, |names| some(path, names, is_at)) {
+        Some(found) => found,
+        None => {
+            let all = in_file(workspace, path).into_iter();
+            all.filter(|it| it.span.start <= offset && offset <= it.span.end)
+                .collect()
+        }
+    }
+}
+
+/// What is made of the names of a text in the PRISM language; `None` of other files.
+fn with_names<T>(workspace: &Workspace, path: &Path, make: impl Fn(&Names) -> T) -> Option<T> {
+    match workspace.kind(path) {
+        Kind::Model => workspace.model(path).map(|view| make(&view.names)),
+        Kind::Properties => workspace.properties(path).map(|view| make(&view.names)),
+        Kind::Toml | Kind::Other => None,
+    }
+}
+
+fn some(path: &Path, names: &Names, wanted: impl Fn(&Occurrence) -> bool) -> Vec<Mention> {
+    let found = names.iter().filter(|it| wanted(it));
+    found.map(|it| of_name(path, it)).collect()
+}
+
+/// The places of a file that name a thing.
+fn of_thing(workspace: &Workspace, path: &Path, thing: &Thing) -> Vec<Mention> {
+    let is_it = |it: &Occurrence| match thing {
+        Thing::Prism(space, name) => it.space == *space && it.name == *name,
+        _ => false,
+    };
+    match with_names(workspace, path, |names| some(path, names, is_it)) {
+        Some(found) => found,
+        None => {
+            let all = in_file(workspace, path).into_iter();
+            all.filter(|it| it.thing == *thing).collect()
+        }
+    }
 }
 
 /// All that a file names.
 #[must_use]
 pub fn in_file(workspace: &Workspace, path: &Path) -> Vec<Mention> {
-    match workspace.kind(path) {
-        Kind::Model => {
-            let view = workspace.model(path);
-            view.map_or(Vec::new(), |view| of_names(path, &view.names))
-        }
-        Kind::Properties => {
-            let view = workspace.properties(path);
-            view.map_or(Vec::new(), |view| of_names(path, &view.names))
-        }
-        Kind::Toml => match (workspace.study_of(path), workspace.read(path)) {
-            (Some(study), Some(text)) if path.parent() == Some(&study.folder) => {
-                crate::mentions::of_file(&study, path, text.as_str())
-            }
-            _ => Vec::new(),
-        },
-        Kind::Other => Vec::new(),
+    if let Some(found) = with_names(workspace, path, |names| some(path, names, |_| true)) {
+        return found;
     }
-}
-
-fn of_names(path: &Path, names: &Names) -> Vec<Mention> {
-    names.iter().map(|it| of_name(path, it)).collect()
+    match (workspace.study_of(path), workspace.read(path)) {
+        (Some(study), Some(text)) if study.knows(path) => {
+            crate::mentions::of_file(&study, path, text.as_str())
+        }
+        _ => Vec::new(),
+    }
 }
 
 fn of_name(path: &Path, it: &Occurrence) -> Mention {
@@ -57,12 +79,13 @@ pub fn places(workspace: &Workspace, thing: &Thing, from: &Path) -> Vec<Mention>
     let files = match thing {
         Thing::Prism(space, name) => files_of_name(workspace, *space, name, from),
         _ => match workspace.study_of(from) {
-            Some(study) => study.files().collect(),
+            Some(study) => study.files(workspace),
             None => vec![from.to_owned()],
         },
     };
-    let all = files.iter().flat_map(|file| in_file(workspace, file));
-    all.filter(|it| it.thing == *thing).collect()
+    let all = files.iter();
+    all.flat_map(|file| of_thing(workspace, file, thing))
+        .collect()
 }
 
 /// The files in which a name of a model means what it means in this one.
@@ -96,7 +119,7 @@ pub fn files_of_name(workspace: &Workspace, space: Space, name: &str, from: &Pat
                 model.is_some_and(|it| it.names.definition(space, name).is_some())
             };
             models.extend(of_ledger.into_iter().filter(declares));
-            files.extend(study.files());
+            files.extend(study.files(workspace));
         }
     }
     models.sort();

@@ -55,13 +55,15 @@ pub fn of_file(
     match workspace.kind(path) {
         Kind::Model => {
             let found = workspace.model(path).map_or(Vec::new(), |view| {
-                in_prism(workspace, path, &view.text, &view.diagnostics, telling)
+                let found: Vec<_> = view.diagnostics().collect();
+                in_prism(workspace, path, &view.text, &found, telling)
             });
             all.insert(path.to_owned(), found);
         }
         Kind::Properties => {
             let found = workspace.properties(path).map_or(Vec::new(), |view| {
-                in_prism(workspace, path, &view.text, &view.diagnostics, telling)
+                let found: Vec<_> = view.diagnostics.iter().collect();
+                in_prism(workspace, path, &view.text, &found, telling)
             });
             all.insert(path.to_owned(), found);
         }
@@ -87,7 +89,7 @@ fn of_study(
     let Some(view) = workspace.study(folder) else {
         return all;
     };
-    for file in view.files() {
+    for file in view.own_files() {
         all.insert(file, Vec::new());
     }
     let mistakes = view.problems.iter().map(|it| (it, DiagnosticSeverity::ERROR));
@@ -155,7 +157,7 @@ fn in_prism(
     workspace: &Workspace,
     path: &Path,
     text: &Text,
-    found: &[prism_lang::Diagnostic],
+    found: &[&prism_lang::Diagnostic],
     telling: &Telling,
 ) -> Vec<Diagnostic> {
     let uri = workspace.uri(path);

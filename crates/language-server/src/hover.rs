@@ -88,14 +88,18 @@ fn in_toml(
 
 /// What the codes of the mistakes at a place mean.
 fn mistakes_at(workspace: &Workspace, path: &Path, offset: usize) -> Vec<String> {
-    let diagnostics = match workspace.kind(path) {
-        Kind::Model => workspace.model(path).map(|it| it.diagnostics.clone()),
-        Kind::Properties => workspace.properties(path).map(|it| it.diagnostics.clone()),
-        Kind::Toml | Kind::Other => None,
+    let is_at = |it: &prism_lang::Diagnostic| it.span.start <= offset && offset <= it.span.end;
+    let mut codes: Vec<&str> = match workspace.kind(path) {
+        Kind::Model => workspace.model(path).map_or(Vec::new(), |it| {
+            let at = it.diagnostics().filter(|it| is_at(it));
+            at.map(|it| it.code).collect()
+        }),
+        Kind::Properties => workspace.properties(path).map_or(Vec::new(), |it| {
+            let at = it.diagnostics.iter().filter(|it| is_at(it));
+            at.map(|it| it.code).collect()
+        }),
+        Kind::Toml | Kind::Other => Vec::new(),
     };
-    let at = diagnostics.into_iter().flatten();
-    let at = at.filter(|it| it.span.start <= offset && offset <= it.span.end);
-    let mut codes: Vec<&str> = at.map(|it| it.code).collect();
     codes.dedup();
     codes
         .into_iter()

@@ -1,5 +1,6 @@
 //! What a study's files in TOML name: propositions, parameters, identifiers, and what the formal models declare.
 
+use crate::kind;
 use crate::study_view::StudyView;
 use crate::toml_tree::{self, Node};
 use prism_lang::Span;
@@ -65,7 +66,7 @@ pub struct Known {
     pub evidence: BTreeSet<String>,
 }
 
-/// All mentions in one of a study's files; none in files that this crate does not know.
+/// All mentions in one of a study's files: its own, explorations and variants; none in others.
 #[must_use]
 pub fn of_file(study: &StudyView, path: &Path, text: &str) -> Vec<Mention> {
     let name = path.file_name().and_then(|it| it.to_str()).unwrap_or("");
@@ -84,7 +85,11 @@ pub fn of_file(study: &StudyView, path: &Path, text: &str) -> Vec<Mention> {
             "requirements.toml" => reader.requirements(&node),
             "study.toml" => reader.about(&node),
             "ledger.toml" => reader.ledger(&node),
-            _ => {}
+            _ => match kind::schema_name(path) {
+                Some("exploration.toml") => reader.exploration(&node),
+                Some("variant.toml") => reader.variant(&node),
+                _ => {}
+            },
         }
     }
     reader.found.sort_by_key(|it| it.span.start);
@@ -193,6 +198,39 @@ impl Reader<'_> {
         }
     }
 
+    fn exploration(&mut self, node: &Node) {
+        if node.is(&["abstraction", "proposition", "*", "name"]) {
+            // One that the vocabulary does not have is the exploration's own.
+            return match node.text.as_ref().is_some_and(|it| self.known.propositions.contains(it)) {
+                true => self.value(node, Thing::Proposition),
+                false => {}
+            };
+        }
+        if node.is(&["disagreement", "constant", "*", "name"]) {
+            return self.value(node, |name| Thing::Prism(Space::Value, name));
+        }
+        let is_of_model = node.is(&["abstraction", "proposition", "*", "model"])
+            || node.is(&["trigger", "*", "model"])
+            || node.is(&["goal", "*", "model"]);
+        match node.last() {
+            "model" if is_of_model => self.expression(node),
+            "trace" | "when" | "proposition" => self.predicate(node),
+            "evidence" | "model" => self.evidence(node),
+            "requirement" => self.value(node, Thing::Subject),
+            _ => {}
+        }
+    }
+
+    fn variant(&mut self, node: &Node) {
+        if node.is(&["change", "*", "constants", "*"]) {
+            let name = node.last().to_owned();
+            self.whole(&node.key, Thing::Prism(Space::Value, name), Role::Use);
+            self.expression(node);
+        } else if node.is(&["change", "*", "evidence"]) {
+            self.evidence(node);
+        }
+    }
+
     fn evidence(&mut self, node: &Node) {
         let known = |text: &&String| self.known.evidence.contains(*text);
         if let Some(text) = node.text.as_ref().filter(known) {
@@ -202,6 +240,9 @@ impl Reader<'_> {
 
     /// An expression over a model's variables.
     fn expression(&mut self, node: &Node) {
+        if node.text.is_none() {
+            return;
+        }
         let (start, inside) = toml_tree::inside(self.text, &node.value);
         let head = "label \"x\" = ";
         let whole = format!("{head}{inside};");
@@ -215,6 +256,9 @@ impl Reader<'_> {
 
     /// A property whose labels are propositions, or else the model's own.
     fn property(&mut self, node: &Node) {
+        if node.text.is_none() {
+            return;
+        }
         let (start, inside) = toml_tree::inside(self.text, &node.value);
         let parsed = prism_lang::parse_properties(&inside);
         let names = Names::of_properties(&parsed.tree, &inside);
@@ -230,6 +274,9 @@ impl Reader<'_> {
     }
 
     fn sentence(&mut self, node: &Node) {
+        if node.text.is_none() {
+            return;
+        }
         let (start, inside) = toml_tree::inside(self.text, &node.value);
         let context = requirement_lang::Context::default();
         let tree = requirement_lang::parse(&inside, &context).tree;

@@ -7,6 +7,7 @@ use crate::text::Text;
 use prism_lang::ast::{self, Type};
 use prism_lang::names::{Names, Role, Space};
 use prism_lang::{Constants, Diagnostic, Number, Value, resolved};
+use std::cell::OnceCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -15,7 +16,7 @@ const WHOLE: [i64; 7] = [1, 2, 3, 4, 5, 10, 0];
 /// The same for real numbers.
 const REAL: [&str; 7] = ["0.5", "0.1", "0.9", "1", "2", "10", "0"];
 
-/// A model, read.
+/// A model, read. What it means is found out when it is first asked for: names are completed without it.
 #[derive(Debug)]
 pub struct ModelView {
     /// Where it is.
@@ -24,16 +25,21 @@ pub struct ModelView {
     pub text: Rc<Text>,
     /// What could be read.
     pub tree: ast::Model,
-    /// All mistakes and warnings.
-    pub diagnostics: Vec<Diagnostic>,
     /// Where it names what.
     pub names: Names,
-    /// What it means, if it means something.
-    pub resolved: Option<resolved::Model>,
-    /// The constants without a value, with what they were tried with.
-    pub stand_ins: Vec<(String, Value)>,
     /// Whether it has no errors of its form, so that all its names are known.
     pub is_read: bool,
+    /// The mistakes of its form.
+    of_form: Vec<Diagnostic>,
+    meaning: OnceCell<Meaning>,
+}
+
+/// What a model means, if it means something.
+#[derive(Debug, Default)]
+struct Meaning {
+    resolved: Option<resolved::Model>,
+    diagnostics: Vec<Diagnostic>,
+    stand_ins: Vec<(String, Value)>,
 }
 
 impl ModelView {
@@ -42,41 +48,70 @@ impl ModelView {
     pub fn new(path: PathBuf, text: Rc<Text>) -> Self {
         let parsed = prism_lang::parse_model(text.as_str());
         let names = Names::of_model(&parsed.tree, text.as_str());
-        let is_read = !parsed.has_errors();
-        let mut view = Self {
+        Self {
             path,
             names,
-            is_read,
+            is_read: !parsed.has_errors(),
             tree: parsed.tree,
-            diagnostics: parsed.diagnostics,
-            resolved: None,
-            stand_ins: Vec::new(),
+            of_form: parsed.diagnostics,
             text,
-        };
-        if is_read {
-            view.resolve();
+            meaning: OnceCell::new(),
         }
-        view
     }
 
-    fn resolve(&mut self) {
+    fn meaning(&self) -> &Meaning {
+        self.meaning.get_or_init(|| match self.is_read {
+            true => self.resolve(),
+            false => Meaning::default(),
+        })
+    }
+
+    /// All mistakes and warnings.
+    pub fn diagnostics(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.of_form.iter().chain(&self.meaning().diagnostics)
+    }
+
+    /// What it means, if it means something.
+    #[must_use]
+    pub fn resolved(&self) -> Option<&resolved::Model> {
+        self.meaning().resolved.as_ref()
+    }
+
+    /// The same if it is known already: for what can be said without.
+    #[must_use]
+    pub fn resolved_already(&self) -> Option<&resolved::Model> {
+        self.meaning.get()?.resolved.as_ref()
+    }
+
+    /// The constants without a value, with what they were tried with.
+    #[must_use]
+    pub fn stand_ins(&self) -> &[(String, Value)] {
+        &self.meaning().stand_ins
+    }
+
+    fn resolve(&self) -> Meaning {
         match prism_lang::resolve(&self.tree, &Constants::new()) {
-            Ok(model) => {
-                self.diagnostics.extend(model.warnings.iter().cloned());
-                self.resolved = Some(model);
-            }
+            Ok(model) => Meaning {
+                diagnostics: model.warnings.clone(),
+                resolved: Some(model),
+                stand_ins: Vec::new(),
+            },
             Err(found) => {
                 let is_open = |it: &Diagnostic| it.code == "undefined-constant";
-                if found.iter().filter(|it| it.is_error()).all(is_open) {
-                    self.try_values();
+                let all_open = found.iter().filter(|it| it.is_error()).all(is_open);
+                let tried = all_open.then(|| self.with_values()).flatten();
+                let (resolved, stand_ins) = tried.unzip();
+                Meaning {
+                    resolved,
+                    diagnostics: found.into_iter().collect(),
+                    stand_ins: stand_ins.unwrap_or_default(),
                 }
-                self.diagnostics.extend(found);
             }
         }
     }
 
     /// Resolves with the first values of the open constants that the model accepts.
-    fn try_values(&mut self) {
+    fn with_values(&self) -> Option<(resolved::Model, Vec<(String, Value)>)> {
         let open = self.tree.constants.iter().filter(|it| it.value.is_none());
         let open: Vec<&ast::Constant> = open.collect();
         for (whole, real) in WHOLE.into_iter().zip(REAL) {
@@ -94,11 +129,10 @@ impl ModelView {
                 given.set(name.clone(), value.clone());
             }
             if let Ok(model) = prism_lang::resolve(&self.tree, &given) {
-                self.resolved = Some(model);
-                self.stand_ins = values;
-                return;
+                return Some((model, values));
             }
         }
+        None
     }
 
     /// The constant of this name.

@@ -47,7 +47,7 @@ impl PropertiesView {
         let model = model.and_then(|it| workspace.model(&it));
         let is_read = !parsed.has_errors();
         let mut diagnostics = parsed.diagnostics;
-        match model.as_ref().map(|it| it.resolved.as_ref()) {
+        match model.as_ref().map(|it| it.resolved()) {
             Some(Some(resolved)) if !parsed.tree.has_errors_outside(&diagnostics) => {
                 diagnostics.extend(mistakes(&parsed.tree, resolved));
                 diagnostics.sort_by_key(|it| it.span);

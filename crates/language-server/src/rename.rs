@@ -195,11 +195,17 @@ fn elsewhere(workspace: &Workspace, from: &Path, thing: &Thing) -> Result<(), St
     };
     for file in files.into_iter().filter(may_name) {
         let Some(text) = workspace.read(&file) else { continue };
+        // What is known to be a name is replaced with all others.
+        let known = cursor::in_file(workspace, &file);
+        let is_known = |part: &Range<usize>| {
+            let mut inside = known.iter().filter(|it| it.thing == *thing);
+            inside.any(|it| part.start <= it.span.start && it.span.end <= part.end)
+        };
         let named = toml_tree::nodes(text.as_str()).into_iter().find(|node| {
             let is_prose = node.keys().any(|key| PROSE.contains(&key));
             let in_value = node.text.as_deref().is_some_and(|it| has_word(it, thing.name()));
             let is_key = node.path.last().is_some_and(|it| it == thing.name());
-            !is_prose && in_value || is_key
+            !is_prose && in_value && !is_known(&node.value) || is_key && !is_known(&node.key)
         });
         if let Some(node) = named {
             return Err(format!(

@@ -1,6 +1,6 @@
 //! A study as far as its files could be read.
 
-use crate::kind;
+use crate::kind::{self, Kind};
 use crate::mentions::{self, Known, Mention};
 use crate::toml_tree;
 use crate::workspace::Workspace;
@@ -62,7 +62,7 @@ impl StudyView {
             let Some(model) = workspace.model(&path) else {
                 continue;
             };
-            if !model.is_read || !model.stand_ins.is_empty() || model.resolved.is_none() {
+            if !model.is_read || !model.stand_ins().is_empty() || model.resolved().is_none() {
                 continue;
             }
             let name = path.display().to_string();
@@ -95,15 +95,36 @@ impl StudyView {
     }
 
     /// The study's own files.
-    pub fn files(&self) -> impl Iterator<Item = PathBuf> {
+    pub fn own_files(&self) -> impl Iterator<Item = PathBuf> {
         kind::OF_STUDY.iter().map(|name| self.folder.join(name))
+    }
+
+    /// The files whose names are known: the study's own, explorations and variants.
+    #[must_use]
+    pub fn files(&self, workspace: &Workspace) -> Vec<PathBuf> {
+        let variants = self.folder.join("variants");
+        let beside = workspace.siblings(&self.folder, Kind::Toml);
+        let mut files: Vec<PathBuf> = self.own_files().collect();
+        let others = beside.into_iter().chain(workspace.siblings(&variants, Kind::Toml));
+        files.extend(others.filter(|path| {
+            let kind = kind::schema_name(path);
+            kind.is_some_and(|it| matches!(it, "exploration.toml" | "variant.toml"))
+        }));
+        files
+    }
+
+    /// Whether the names of a file are known.
+    #[must_use]
+    pub fn knows(&self, path: &Path) -> bool {
+        let folder = path.parent();
+        folder == Some(&self.folder) || folder == Some(&self.folder.join("variants"))
     }
 
     /// All that its own files name.
     #[must_use]
     pub fn mentions(&self, workspace: &Workspace) -> Vec<Mention> {
         let mut all = Vec::new();
-        for path in self.files() {
+        for path in self.files(workspace) {
             if let Some(text) = workspace.read(&path) {
                 all.extend(mentions::of_file(self, &path, text.as_str()));
             }

@@ -119,6 +119,19 @@ impl Workspace {
         self.forget_studies();
     }
 
+    /// Opens a text at an absolute path, or changes it there; by its name it is a model, properties or a study's file.
+    pub fn open(&mut self, path: &Path, text: impl Into<String>) {
+        let version = self.open.get(path).map_or(1, |it| it.version + 1);
+        let Some(uri) = self.uri(path) else { return };
+        let document = Document {
+            uri,
+            version,
+            language: String::new(),
+            text: Rc::new(Text::new(text.into())),
+        };
+        self.set(path.to_owned(), document);
+    }
+
     /// Forgets a document: from now on, what is saved counts.
     pub fn close(&mut self, path: &Path) {
         self.open.remove(path);

@@ -20,8 +20,8 @@ pub fn of_name(workspace: &Workspace, space: Space, name: &str, path: &Path) -> 
     let mut said = Vec::new();
     if let Some(view) = workspace.properties(path).filter(|_| is_properties(workspace, path)) {
         said.extend(in_properties(&view, space, name));
-        said.extend(judged_with(&view));
-        if said.len() > 1 {
+        if !said.is_empty() {
+            said.extend(judged_with(&view));
             return said;
         }
     }
@@ -29,10 +29,14 @@ pub fn of_name(workspace: &Workspace, space: Space, name: &str, path: &Path) -> 
     let several = models.len() > 1;
     for model in models {
         if let Some(mut text) = in_model(&model, space, name) {
-            if several || model.path != path {
+            if is_properties(workspace, path) {
+                let view = workspace.properties(path);
+                let why = view.and_then(|it| judged_with(&it));
+                let _ = write!(text, "\n\n{}", why.unwrap_or_default());
+            } else if several || model.path != path {
                 let _ = write!(text, "\n\nin `{}`", file_name(&model.path));
             }
-            said.insert(0, text);
+            said.push(text);
         }
     }
     said
@@ -112,14 +116,14 @@ pub fn in_model(view: &ModelView, space: Space, name: &str) -> Option<String> {
 fn constant(view: &ModelView, name: &str) -> Option<String> {
     let constant = view.constant(name)?;
     let mut said = code(constant.span.of(view.text.as_str()));
-    let value = view.resolved.as_ref().and_then(|model| model.constant(name));
+    let value = view.resolved().and_then(|model| model.constant(name));
     match (value, &constant.value) {
         (Some(value), None) => {
             let _ = write!(said, "\n\nno value here: one is given when the model is checked (`--const {name}=...`). The editor takes {value} for it.");
         }
         (Some(value), Some(_)) => {
             let _ = write!(said, "\n\nvalue: {value}");
-            if !view.stand_ins.is_empty() && depends_on_open(view, name) {
+            if !view.stand_ins().is_empty() && depends_on_open(view, name) {
                 said.push_str(", with what the editor takes for the constants without a value");
             }
         }
@@ -170,7 +174,7 @@ fn label(view: &ModelView, name: &str) -> Option<String> {
 }
 
 fn variable(view: &ModelView, name: &str) -> Option<String> {
-    let known = view.resolved.as_ref().and_then(|model| {
+    let known = view.resolved().and_then(|model| {
         let index = model.variable(name)?;
         Some((model, &model.variables[index]))
     });
@@ -255,7 +259,7 @@ fn module(view: &ModelView, name: &str) -> Option<String> {
 }
 
 fn action(view: &ModelView, name: &str) -> Option<String> {
-    let resolved = view.resolved.as_ref();
+    let resolved = view.resolved();
     let by_module = resolved.and_then(|model| {
         let id = model.actions.iter().position(|it| it == name)?;
         let modules = model.modules.iter().filter_map(|module| {

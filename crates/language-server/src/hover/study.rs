@@ -57,7 +57,7 @@ pub fn of_thing(workspace: &Workspace, thing: &Thing, path: &Path) -> Option<Str
 fn expressed(model: &ModelView, binding: &str) -> String {
     let name = model.path.file_name().unwrap_or(model.path.as_os_str());
     let name = name.to_string_lossy();
-    let Some(resolved) = &model.resolved else {
+    let Some(resolved) = model.resolved() else {
         return format!("`{name}`: not known while it has mistakes");
     };
     let text = format!("label \"x\" = {binding};\n\"x\"");
