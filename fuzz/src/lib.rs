@@ -90,8 +90,17 @@ pub fn editor(bytes: &[u8]) {
         return;
     }
     let text = String::from_utf8_lossy(bytes);
-    let names = ["m.prism", "m.props", "study.toml", "vocabulary.toml", "requirements.toml", "ledger.toml"];
-    let which = bytes.first().map_or(0, |byte| usize::from(*byte) % names.len());
+    let names = [
+        "m.prism",
+        "m.props",
+        "study.toml",
+        "vocabulary.toml",
+        "requirements.toml",
+        "ledger.toml",
+    ];
+    let which = bytes
+        .first()
+        .map_or(0, |byte| usize::from(*byte) % names.len());
     let folder = std::path::Path::new("/no-such-folder");
     let mut workspace = Workspace::new(Box::new(Alone));
     workspace.open(&folder.join("study.toml"), "title = \"\"");

@@ -58,7 +58,9 @@ struct Counts {
 }
 
 fn one(path: &str, counts: &mut Counts) {
-    let Ok((source, _)) = host::files::read_prism(Path::new(path)) else { return };
+    let Ok((source, _)) = host::files::read_prism(Path::new(path)) else {
+        return;
+    };
     let text = source.text;
     if parse_model(&text).has_errors() {
         return;
@@ -69,13 +71,18 @@ fn one(path: &str, counts: &mut Counts) {
     let mentions = cursor::in_file(&here, document);
     let before = meaning(&text);
     let is_defined = |thing: &Thing| {
-        mentions.iter().any(|it| it.thing == *thing && it.role == Role::Definition)
+        mentions
+            .iter()
+            .any(|it| it.thing == *thing && it.role == Role::Definition)
     };
     let things: BTreeSet<&Thing> = mentions.iter().map(|it| &it.thing).collect();
     counts.places += mentions.len();
     counts.without_definition += mentions.iter().filter(|it| !is_defined(&it.thing)).count();
     for thing in things.into_iter().filter(|it| is_defined(it)) {
-        let first = mentions.iter().find(|it| it.thing == *thing).expect("a place");
+        let first = mentions
+            .iter()
+            .find(|it| it.thing == *thing)
+            .expect("a place");
         counts.names += 1;
         let new = "fresh_name_0";
         let places = match rename::rename(&here, document, first.span.start, new) {
@@ -97,7 +104,9 @@ fn one(path: &str, counts: &mut Counts) {
             counts.wrong.push(format!("{path}: {thing:?}"));
         }
     }
-    let Ok(edits) = format::edits(&here, document) else { return };
+    let Ok(edits) = format::edits(&here, document) else {
+        return;
+    };
     let formatted = edits.first().map_or(text.clone(), |it| it.new_text.clone());
     let comments = |text: &str| -> Vec<String> {
         let lines = text.lines().filter_map(|line| line.split_once("//"));
@@ -116,7 +125,12 @@ fn main() {
     }
     println!(
         "{} models, {} places of names, {} of names without a definition; {} names changed and back ({} built again), {} laid out",
-        counts.models, counts.places, counts.without_definition, counts.names, counts.built, counts.laid_out
+        counts.models,
+        counts.places,
+        counts.without_definition,
+        counts.names,
+        counts.built,
+        counts.laid_out
     );
     for (why, count) in &counts.refused {
         println!("refused {count} times: {why}");

@@ -9,7 +9,10 @@ use std::time::Instant;
 fn model() -> String {
     let mut text = String::from("dtmc\nconst int N = 5;\nconst double p = 0.5;\n");
     for i in 0..250 {
-        let _ = writeln!(text, "module m{i}\n  x{i} : [0..N] init 0;\n  y{i} : [0..1];");
+        let _ = writeln!(
+            text,
+            "module m{i}\n  x{i} : [0..N] init 0;\n  y{i} : [0..1];"
+        );
         for k in 0..15 {
             let _ = writeln!(
                 text,
@@ -43,13 +46,19 @@ fn measured(what: &str, work: impl Fn(&mut Workspace, &Path, usize)) {
 fn main() {
     println!("{} lines", model().lines().count());
     measured("text alone", |_, _, _| {});
-    measured("parsed", |it, path, _| drop(prism_lang::parse_model(it.read(path).expect("open").as_str())));
+    measured("parsed", |it, path, _| {
+        drop(prism_lang::parse_model(
+            it.read(path).expect("open").as_str(),
+        ))
+    });
     measured("read, with names", |it, path, _| drop(it.model(path)));
     measured("diagnostics", |it, path, _| {
         drop(diagnostics::of_file(it, path, &Telling::default()));
     });
     measured("hover", |it, path, at| drop(hover::at(it, path, at)));
-    measured("completion", |it, path, at| drop(completion::at(it, path, at)));
+    measured("completion", |it, path, at| {
+        drop(completion::at(it, path, at))
+    });
     measured("definition", |it, path, at| {
         let found = cursor::at(it, path, at);
         drop(cursor::definitions(it, &found[0].thing, path));

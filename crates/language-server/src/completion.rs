@@ -30,13 +30,51 @@ enum Place {
 }
 
 const TOP: [&str; 16] = [
-    "dtmc", "ctmc", "mdp", "const int", "const double", "const bool", "formula", "label", "global",
-    "module", "rewards", "init", "system", "endinit", "endsystem", "endrewards",
+    "dtmc",
+    "ctmc",
+    "mdp",
+    "const int",
+    "const double",
+    "const bool",
+    "formula",
+    "label",
+    "global",
+    "module",
+    "rewards",
+    "init",
+    "system",
+    "endinit",
+    "endsystem",
+    "endrewards",
 ];
 const OPERATORS: [&str; 27] = [
-    "P=?", "P>=", "P<=", "Pmin=?", "Pmax=?", "R=?", "Rmin=?", "Rmax=?", "S=?", "F", "G", "X", "U",
-    "W", "A", "E", "C", "I", "filter", "true", "false", "min", "max", "const int", "const double",
-    "label", "formula",
+    "P=?",
+    "P>=",
+    "P<=",
+    "Pmin=?",
+    "Pmax=?",
+    "R=?",
+    "Rmin=?",
+    "Rmax=?",
+    "S=?",
+    "F",
+    "G",
+    "X",
+    "U",
+    "W",
+    "A",
+    "E",
+    "C",
+    "I",
+    "filter",
+    "true",
+    "false",
+    "min",
+    "max",
+    "const int",
+    "const double",
+    "label",
+    "formula",
 ];
 const FUNCTIONS: [&str; 10] = [
     "true", "false", "min", "max", "floor", "ceil", "round", "pow", "mod", "log",
@@ -75,12 +113,14 @@ struct Found {
 impl Found {
     fn add(&mut self, label: &str, kind: CompletionItemKind, detail: impl Into<String>) {
         let detail: String = detail.into();
-        self.items.entry(label.to_owned()).or_insert(CompletionItem {
-            label: label.to_owned(),
-            kind: Some(kind),
-            detail: (!detail.is_empty()).then_some(detail),
-            ..CompletionItem::default()
-        });
+        self.items
+            .entry(label.to_owned())
+            .or_insert(CompletionItem {
+                label: label.to_owned(),
+                kind: Some(kind),
+                detail: (!detail.is_empty()).then_some(detail),
+                ..CompletionItem::default()
+            });
     }
 
     fn words(&mut self, words: &[&str]) {
@@ -148,7 +188,10 @@ fn place_in_model(before: &str) -> Place {
     if in_quotes {
         return in_quotes_of(&shown);
     }
-    let words: Vec<&str> = rest.split(|c| !is_part(c)).filter(|it| !it.is_empty()).collect();
+    let words: Vec<&str> = rest
+        .split(|c| !is_part(c))
+        .filter(|it| !it.is_empty())
+        .collect();
     let last_of = |open: &str, close: &str| {
         let open = words.iter().rposition(|it| *it == open);
         let close = words.iter().rposition(|it| *it == close);
@@ -171,9 +214,20 @@ fn place_in_model(before: &str) -> Place {
             _ => Place::Expression,
         };
     }
-    let of_type = ["dtmc", "ctmc", "mdp", "pta", "endmodule", "endrewards", "endinit", "endsystem"];
+    let of_type = [
+        "dtmc",
+        "ctmc",
+        "mdp",
+        "pta",
+        "endmodule",
+        "endrewards",
+        "endinit",
+        "endsystem",
+    ];
     let is_top = trimmed.is_empty() || of_type.iter().any(|it| trimmed.ends_with(it));
-    let invents = ["const", "int", "double", "bool", "formula", "label", "global", "module", "rewards"];
+    let invents = [
+        "const", "int", "double", "bool", "formula", "label", "global", "module", "rewards",
+    ];
     let last = trimmed.split_whitespace().next_back().unwrap_or("");
     let invents = invents.contains(&last);
     match (is_top, invents) {
@@ -185,11 +239,16 @@ fn place_in_model(before: &str) -> Place {
 
 fn in_quotes_of(shown: &str) -> Place {
     let before = shown.trim_end_matches('"').trim_end();
-    let invents = before.ends_with("label") || before.ends_with("rewards") || before.ends_with("system");
+    let invents =
+        before.ends_with("label") || before.ends_with("rewards") || before.ends_with("system");
     match invents {
         true => Place::Nowhere,
         false => Place::Quotes {
-            of_rewards: before.ends_with('{') && before.trim_end_matches('{').trim_end().ends_with(['R', '/']),
+            of_rewards: before.ends_with('{')
+                && before
+                    .trim_end_matches('{')
+                    .trim_end()
+                    .ends_with(['R', '/']),
         },
     }
 }
@@ -224,7 +283,11 @@ fn quoted(found: &mut Found, view: &ModelView, of_rewards: bool) {
         let detail = format!("label, {}", label.body);
         found.add(&label.name.text, CompletionItemKind::ENUM_MEMBER, detail);
     }
-    found.names(&["init", "deadlock"], CompletionItemKind::ENUM_MEMBER, "built in");
+    found.names(
+        &["init", "deadlock"],
+        CompletionItemKind::ENUM_MEMBER,
+        "built in",
+    );
 }
 
 fn in_properties(workspace: &Workspace, found: &mut Found, path: &Path, before: &str) {
@@ -282,10 +345,12 @@ fn in_toml(workspace: &Workspace, found: &mut Found, path: &Path, text: &str, of
         }
         return;
     }
-    let at = toml_tree::nodes(text).into_iter().filter(|node| {
-        !node.has_parts && node.value.start <= offset && offset <= node.value.end
-    });
-    let path_of_value = at.last().map_or_else(|| path_by_line(written, table), |it| it.path);
+    let at = toml_tree::nodes(text)
+        .into_iter()
+        .filter(|node| !node.has_parts && node.value.start <= offset && offset <= node.value.end);
+    let path_of_value = at
+        .last()
+        .map_or_else(|| path_by_line(written, table), |it| it.path);
     for (word, said) in schema.map_or(Vec::new(), |it| schema::choices(it, &path_of_value)) {
         found.add(&word, CompletionItemKind::VALUE, said);
     }
@@ -306,7 +371,10 @@ fn path_by_line(written: &str, mut table: Vec<String>) -> Vec<String> {
 
 /// The path of the table that the last header above opens; an element of a list of tables is the first one of it.
 fn table_above(before: &str) -> Vec<String> {
-    let header = before.lines().rev().find(|line| line.trim_start().starts_with('['));
+    let header = before
+        .lines()
+        .rev()
+        .find(|line| line.trim_start().starts_with('['));
     let Some(header) = header.map(str::trim) else {
         return Vec::new();
     };
@@ -316,7 +384,12 @@ fn table_above(before: &str) -> Vec<String> {
     for part in inner.split('.') {
         let part = part.trim().trim_matches(['"', '\'']);
         // Tables below an element of a list: `[requirement.reading.human]`.
-        if path.len() == 1 && matches!(path[0].as_str(), "requirement" | "failure_mode" | "evidence") {
+        if path.len() == 1
+            && matches!(
+                path[0].as_str(),
+                "requirement" | "failure_mode" | "evidence"
+            )
+        {
             path.push("0".into());
         }
         path.push(part.to_owned());
@@ -332,7 +405,11 @@ fn names_for_key(workspace: &Workspace, found: &mut Found, path: &Path, at: &[St
     let Some(view) = workspace.study_of(path) else {
         return;
     };
-    let keys: Vec<&str> = at.iter().map(String::as_str).filter(|it| it.parse::<usize>().is_err()).collect();
+    let keys: Vec<&str> = at
+        .iter()
+        .map(String::as_str)
+        .filter(|it| it.parse::<usize>().is_err())
+        .collect();
     let last = keys.last().copied().unwrap_or("");
     let study = view.study.as_ref();
     let mut propositions = || {
@@ -343,7 +420,8 @@ fn names_for_key(workspace: &Workspace, found: &mut Found, path: &Path, at: &[St
         }
     };
     match last {
-        "shall" | "trace" | "graded" | "formula" | "when" | "assert" | "wait_for" | "hold" | "until" | "trigger" => {
+        "shall" | "trace" | "graded" | "formula" | "when" | "assert" | "wait_for" | "hold"
+        | "until" | "trigger" => {
             propositions();
             parameters(&view, found);
         }
@@ -361,13 +439,19 @@ fn names_for_key(workspace: &Workspace, found: &mut Found, path: &Path, at: &[St
         "constant" => {
             for model in cursor::models_seen_from(workspace, path) {
                 let constants = model.tree.constants.iter();
-                let names: Vec<&str> = constants.map(|it: &ast::Constant| it.name.text.as_str()).collect();
+                let names: Vec<&str> = constants
+                    .map(|it: &ast::Constant| it.name.text.as_str())
+                    .collect();
                 found.names(&names, CompletionItemKind::CONSTANT, "constant");
             }
         }
         "from" | "reproduced_by" | "shown_by" => {
             for entry in study.iter().flat_map(|it| &it.ledger) {
-                found.add(&entry.id, CompletionItemKind::REFERENCE, entry.title.clone());
+                found.add(
+                    &entry.id,
+                    CompletionItemKind::REFERENCE,
+                    entry.title.clone(),
+                );
             }
         }
         "same_as" | "requirement" => {
@@ -412,7 +496,10 @@ mod tests {
             ("dtmc\nmodule m\n", Place::Module),
             ("dtmc\nmodule m\n x : bool;\n [", Place::Action),
             ("dtmc\nmodule m\n x : bool;\n [a] x & ", Place::Expression),
-            ("dtmc\nmodule m\n x : bool;\n [a] x -> (x'=", Place::Expression),
+            (
+                "dtmc\nmodule m\n x : bool;\n [a] x -> (x'=",
+                Place::Expression,
+            ),
             ("dtmc\nmodule m\n x : [0..", Place::Expression),
             ("dtmc\nmodule m endmodule\n", Place::TopLevel),
             ("dtmc label \"", Place::Nowhere),
@@ -424,12 +511,21 @@ mod tests {
     #[test]
     fn tables_are_known_by_the_header_above() {
         assert_eq!(table_above("[a]\nx = 1\n"), ["a"]);
-        assert_eq!(table_above("[[requirement]]\nid = 1\n"), ["requirement", "0"]);
+        assert_eq!(
+            table_above("[[requirement]]\nid = 1\n"),
+            ["requirement", "0"]
+        );
         assert_eq!(
             table_above("[requirement.reading.human]\n"),
             ["requirement", "0", "reading", "human"]
         );
-        assert_eq!(path_by_line("monitor.then = [{ hold = \"", vec![]), ["monitor", "then", "hold"]);
-        assert_eq!(path_by_line("experiment = \"", vec!["r".into()]), ["r", "experiment"]);
+        assert_eq!(
+            path_by_line("monitor.then = [{ hold = \"", vec![]),
+            ["monitor", "then", "hold"]
+        );
+        assert_eq!(
+            path_by_line("experiment = \"", vec!["r".into()]),
+            ["r", "experiment"]
+        );
     }
 }

@@ -92,8 +92,14 @@ fn of_study(
     for file in view.own_files() {
         all.insert(file, Vec::new());
     }
-    let mistakes = view.problems.iter().map(|it| (it, DiagnosticSeverity::ERROR));
-    let warnings = view.warnings.iter().map(|it| (it, DiagnosticSeverity::WARNING));
+    let mistakes = view
+        .problems
+        .iter()
+        .map(|it| (it, DiagnosticSeverity::ERROR));
+    let warnings = view
+        .warnings
+        .iter()
+        .map(|it| (it, DiagnosticSeverity::WARNING));
     for (problem, severity) in mistakes.chain(warnings) {
         let (path, found) = of_problem(workspace, folder, problem, severity, telling);
         all.entry(path).or_default().push(found);
@@ -169,7 +175,8 @@ fn in_prism(
         && let Some(last) = all.last_mut()
     {
         let more = found.len() - MOST_SHOWN;
-        let rest = format!("\n{more} more mistakes are not shown: correct these {MOST_SHOWN} first");
+        let rest =
+            format!("\n{more} more mistakes are not shown: correct these {MOST_SHOWN} first");
         last.message.push_str(&rest);
     }
     all

@@ -57,7 +57,8 @@ mod tests {
     fn formulas_are_written_out_and_cycles_are_not() {
         let text = "dtmc formula a = x>0 | y; formula b = a & !a; formula c = c; formula d = 1;";
         let tree = prism_lang::parse_model(text).tree;
-        let of = |at: usize| expanded(&tree.formulas[at].body, &tree.formulas).map(|it| it.to_string());
+        let of =
+            |at: usize| expanded(&tree.formulas[at].body, &tree.formulas).map(|it| it.to_string());
         assert_eq!(of(1).as_deref(), Some("(x>0 | y) & !(x>0 | y)"));
         assert_eq!((of(0), of(2), of(3)), (None, None, None));
     }

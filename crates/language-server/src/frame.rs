@@ -46,7 +46,10 @@ fn length(stream: &mut impl BufRead) -> io::Result<Option<u64>> {
     let mut length = None;
     loop {
         let mut line = Vec::new();
-        let read = stream.by_ref().take(LONGEST_HEADER).read_until(b'\n', &mut line)?;
+        let read = stream
+            .by_ref()
+            .take(LONGEST_HEADER)
+            .read_until(b'\n', &mut line)?;
         if read == 0 {
             return Ok(None);
         }
@@ -61,7 +64,12 @@ fn length(stream: &mut impl BufRead) -> io::Result<Option<u64>> {
             length = value.trim().parse().ok();
         }
     }
-    let no_length = || io::Error::new(io::ErrorKind::InvalidData, "a header without Content-Length");
+    let no_length = || {
+        io::Error::new(
+            io::ErrorKind::InvalidData,
+            "a header without Content-Length",
+        )
+    };
     length.ok_or_else(no_length).map(Some)
 }
 
@@ -97,10 +105,14 @@ mod tests {
     fn what_is_no_message_is_told_and_the_next_is_read() {
         let body = r#"{"jsonrpc":"2.0","method":"exit"}"#;
         let good = format!("Content-Length: {}\r\n\r\n{body}", body.len());
-        let bytes = format!("Content-Length: 2\r\n\r\n{{]{good}content-length:3\r\nX: y\r\n\r\nnul{good}");
+        let bytes =
+            format!("Content-Length: 2\r\n\r\n{{]{good}content-length:3\r\nX: y\r\n\r\nnul{good}");
         let found = all(bytes.as_bytes());
         assert_eq!(found.len(), 4);
-        assert_eq!((found[0].as_str(), found[2].as_str()), ("unreadable", "unreadable"));
+        assert_eq!(
+            (found[0].as_str(), found[2].as_str()),
+            ("unreadable", "unreadable")
+        );
         assert!(found[1].contains("exit") && found[3].contains("exit"));
         assert_eq!(all(b"no header\r\n\r\n"), ["lost"]);
         assert!(all(b"Content-Length: 99\r\n\r\n{}").is_empty());
@@ -109,6 +121,9 @@ mod tests {
 
     #[test]
     fn a_length_that_nobody_could_hold_is_no_allocation() {
-        assert_eq!(all(b"Content-Length: 18446744073709551615\r\n\r\nx"), ["unreadable"]);
+        assert_eq!(
+            all(b"Content-Length: 18446744073709551615\r\n\r\nx"),
+            ["unreadable"]
+        );
     }
 }

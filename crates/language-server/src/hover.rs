@@ -73,7 +73,10 @@ fn in_toml(
             parts.extend(study::of_sentence(workspace, path, &node));
             span = Some(node.value.clone());
         }
-        let is_key = node.path.last().is_some_and(|it| it.parse::<usize>().is_err());
+        let is_key = node
+            .path
+            .last()
+            .is_some_and(|it| it.parse::<usize>().is_err());
         if is_at(&node.key) && is_key {
             let schema = kind::schema_name(path).and_then(|it| workspace.schemas.get(it));
             let said = schema.and_then(|it| schema::description(it, &node.path));

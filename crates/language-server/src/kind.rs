@@ -101,9 +101,18 @@ mod tests {
         assert_eq!(kind("B.NM"), Kind::Model);
         assert_eq!(kind("b.pctl"), Kind::Properties);
         assert_eq!(kind("b.txt"), Kind::Other);
-        assert_eq!(Kind::of(Path::new("Untitled-1"), Some("prism")), Kind::Model);
-        assert_eq!(schema_name(Path::new("s/variants/slow.toml")), Some("variant.toml"));
-        assert_eq!(schema_name(Path::new("s/scene-refined.toml")), Some("scene.toml"));
+        assert_eq!(
+            Kind::of(Path::new("Untitled-1"), Some("prism")),
+            Kind::Model
+        );
+        assert_eq!(
+            schema_name(Path::new("s/variants/slow.toml")),
+            Some("variant.toml")
+        );
+        assert_eq!(
+            schema_name(Path::new("s/scene-refined.toml")),
+            Some("scene.toml")
+        );
         assert_eq!(schema_name(Path::new("s/Cargo.toml")), None);
     }
 }

@@ -80,7 +80,11 @@ pub fn of_file(study: &StudyView, path: &Path, text: &str) -> Vec<Mention> {
         match name {
             "vocabulary.toml" => reader.vocabulary(&node),
             "parameters.toml" if node.path.len() == 1 => {
-                reader.whole(&node.key, Thing::Parameter(node.path[0].clone()), Role::Definition);
+                reader.whole(
+                    &node.key,
+                    Thing::Parameter(node.path[0].clone()),
+                    Role::Definition,
+                );
             }
             "requirements.toml" => reader.requirements(&node),
             "study.toml" => reader.about(&node),
@@ -132,7 +136,11 @@ impl Reader<'_> {
 
     fn vocabulary(&mut self, node: &Node) {
         if let [name] = node.path.as_slice() {
-            self.whole(&node.key, Thing::Proposition(name.clone()), Role::Definition);
+            self.whole(
+                &node.key,
+                Thing::Proposition(name.clone()),
+                Role::Definition,
+            );
             return;
         }
         match node.last() {
@@ -146,7 +154,9 @@ impl Reader<'_> {
         let subject = ["requirement", "failure_mode"];
         let is_own = |key: &str| subject.iter().any(|it| node.is(&[it, "*", key]));
         if is_own("id") {
-            let Some(text) = node.text.clone() else { return };
+            let Some(text) = node.text.clone() else {
+                return;
+            };
             return self.whole(&node.value, Thing::Subject(text), Role::Definition);
         }
         match node.last() {
@@ -183,7 +193,9 @@ impl Reader<'_> {
 
     fn ledger(&mut self, node: &Node) {
         if node.is(&["evidence", "*", "id"]) {
-            let Some(text) = node.text.clone() else { return };
+            let Some(text) = node.text.clone() else {
+                return;
+            };
             return self.whole(&node.value, Thing::Evidence(text), Role::Definition);
         }
         match node.last() {
@@ -201,7 +213,11 @@ impl Reader<'_> {
     fn exploration(&mut self, node: &Node) {
         if node.is(&["abstraction", "proposition", "*", "name"]) {
             // One that the vocabulary does not have is the exploration's own.
-            return match node.text.as_ref().is_some_and(|it| self.known.propositions.contains(it)) {
+            return match node
+                .text
+                .as_ref()
+                .is_some_and(|it| self.known.propositions.contains(it))
+            {
                 true => self.value(node, Thing::Proposition),
                 false => {}
             };
@@ -377,12 +393,20 @@ mod tests {
 
     #[test]
     fn words_of_predicates_are_names_and_nothing_else() {
-        let words = |text| -> Vec<&str> { words_of_predicate(text).into_iter().map(|it| it.1).collect() };
+        let words = |text| -> Vec<&str> {
+            words_of_predicate(text)
+                .into_iter()
+                .map(|it| it.1)
+                .collect()
+        };
         assert_eq!(
             words("released & /truth.grip_force < grip_released & distance(/a.b, /c) < 20 cm"),
             ["released", "grip_released"]
         );
-        assert_eq!(words("!runtime_error | /robot.state == 'lift off' & x"), ["runtime_error", "x"]);
+        assert_eq!(
+            words("!runtime_error | /robot.state == 'lift off' & x"),
+            ["runtime_error", "x"]
+        );
         assert_eq!(words("'open"), Vec::<&str>::new());
         assert_eq!(words("abs(/h.x - 10 cm) < near"), ["near"]);
         assert_eq!(words("é near"), ["near"]);

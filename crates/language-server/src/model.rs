@@ -135,6 +135,46 @@ impl ModelView {
         None
     }
 
+    /// The value of a constant, also where something else is wrong with the model.
+    #[must_use]
+    pub fn value(&self, name: &str) -> Option<Value> {
+        if let Some(model) = self.resolved() {
+            return model.constant(name).cloned();
+        }
+        let (needed, _) = self.needed_by(name);
+        let constants = self.tree.constants.iter();
+        let constants = constants.filter(|it| needed.contains(&it.name.text));
+        let alone = ast::Model {
+            model_type: Some((ast::ModelType::Dtmc, prism_lang::Span::default())),
+            constants: constants.cloned().collect(),
+            ..ast::Model::default()
+        };
+        let model = prism_lang::resolve(&alone, &Constants::new()).ok()?;
+        model.constant(name).cloned()
+    }
+
+    /// The constants that a constant's value depends on, itself among them, and whether one of them has none.
+    #[must_use]
+    pub fn needed_by(&self, name: &str) -> (Vec<String>, bool) {
+        let (mut needed, mut is_open) = (vec![name.to_owned()], false);
+        let mut next = 0;
+        while let Some(constant) = needed.get(next).map(|name| self.constant(name)) {
+            next += 1;
+            let value = constant.map(|it| it.value.as_ref());
+            is_open |= value == Some(None);
+            let Some(Some(value)) = value else { continue };
+            let within = |span: prism_lang::Span| {
+                value.span.start <= span.start && span.end <= value.span.end
+            };
+            for it in self.names.iter().filter(|it| within(it.span)) {
+                if !needed.contains(&it.name) {
+                    needed.push(it.name.clone());
+                }
+            }
+        }
+        (needed, is_open)
+    }
+
     /// The constant of this name.
     #[must_use]
     pub fn constant(&self, name: &str) -> Option<&ast::Constant> {

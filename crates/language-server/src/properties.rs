@@ -113,7 +113,10 @@ pub fn model_of(workspace: &Workspace, path: &Path) -> (Option<PathBuf>, String)
         let models = study.models();
         let named = models.iter().find(|it| it.file_stem() == stem);
         if let Some(model) = named {
-            let words = said(model, "the study's ledger names it, and it has this file's name");
+            let words = said(
+                model,
+                "the study's ledger names it, and it has this file's name",
+            );
             return (Some(model.clone()), words);
         }
         if let [model] = models.as_slice() {

@@ -109,12 +109,20 @@ fn is_free(workspace: &Workspace, file: &Path, thing: &Thing, new: &str) -> Resu
     let taken = |it: &Mention| match (&it.thing, thing) {
         (Thing::Prism(space, name), Thing::Prism(wanted, _)) => name == new && space == wanted,
         // In the study's texts a bare word is one or the other.
-        (Thing::Proposition(name) | Thing::Parameter(name), Thing::Proposition(_) | Thing::Parameter(_)) => name == new,
+        (
+            Thing::Proposition(name) | Thing::Parameter(name),
+            Thing::Proposition(_) | Thing::Parameter(_),
+        ) => name == new,
         _ => false,
     };
     if let Some(it) = cursor::in_file(workspace, file).iter().find(|it| taken(it)) {
-        let line = workspace.read(file).map_or(0, |text| line_of(&text, it.span.start));
-        return Err(format!("`{new}` is already a name in {}, line {line}", shown(file)));
+        let line = workspace
+            .read(file)
+            .map_or(0, |text| line_of(&text, it.span.start));
+        return Err(format!(
+            "`{new}` is already a name in {}, line {line}",
+            shown(file)
+        ));
     }
     let unread = |is_read: bool| match is_read {
         true => Ok(()),
@@ -125,19 +133,30 @@ fn is_free(workspace: &Workspace, file: &Path, thing: &Thing, new: &str) -> Resu
     };
     match workspace.kind(file) {
         Kind::Model => {
-            let Some(view) = workspace.model(file) else { return Ok(()) };
+            let Some(view) = workspace.model(file) else {
+                return Ok(());
+            };
             if view.names.is_in_a_copy(&view.tree, new) {
-                return Err(format!("`{new}` is a name in a renamed copy of a module in {}, which would catch it", shown(file)));
+                return Err(format!(
+                    "`{new}` is a name in a renamed copy of a module in {}, which would catch it",
+                    shown(file)
+                ));
             }
             let old = thing.name();
             let spaces = [Space::Value, Space::Action];
             let is_both = view.names.iter().any(|it| {
                 it.name == old
                     && spaces.contains(&it.space)
-                    && view.names.at(it.span.start).any(|other| other.space != it.space && other.span == it.span)
+                    && view
+                        .names
+                        .at(it.span.start)
+                        .any(|other| other.space != it.space && other.span == it.span)
             });
             if is_both {
-                return Err(format!("a renamed copy in {} renames `{old}` as a value and as an action by one entry: write two entries first", shown(file)));
+                return Err(format!(
+                    "a renamed copy in {} renames `{old}` as a value and as an action by one entry: write two entries first",
+                    shown(file)
+                ));
             }
             unread(view.is_read)
         }
@@ -160,7 +179,16 @@ fn shown(path: &Path) -> String {
 
 /// Keys whose texts are for people.
 const PROSE: [&str; 10] = [
-    "meaning", "title", "summary", "text", "changed", "name", "because", "source", "description", "note",
+    "meaning",
+    "title",
+    "summary",
+    "text",
+    "changed",
+    "name",
+    "because",
+    "source",
+    "description",
+    "note",
 ];
 
 /// How many further files are looked into.
@@ -188,13 +216,21 @@ fn elsewhere(workspace: &Workspace, from: &Path, thing: &Thing) -> Result<(), St
     let mut files = Vec::new();
     below(&study.folder, 0, &mut files);
     // Of a study's other files, these speak of what a model declares.
-    let of_models = ["calibration.toml", "variant.toml", "exploration.toml", "rare.toml", "finding.toml"];
+    let of_models = [
+        "calibration.toml",
+        "variant.toml",
+        "exploration.toml",
+        "rare.toml",
+        "finding.toml",
+    ];
     let may_name = |file: &PathBuf| {
         !matches!(thing, Thing::Prism(..))
             || kind::schema_name(file).is_some_and(|it| of_models.contains(&it))
     };
     for file in files.into_iter().filter(may_name) {
-        let Some(text) = workspace.read(&file) else { continue };
+        let Some(text) = workspace.read(&file) else {
+            continue;
+        };
         // What is known to be a name is replaced with all others.
         let known = cursor::in_file(workspace, &file);
         let is_known = |part: &Range<usize>| {
@@ -203,7 +239,10 @@ fn elsewhere(workspace: &Workspace, from: &Path, thing: &Thing) -> Result<(), St
         };
         let named = toml_tree::nodes(text.as_str()).into_iter().find(|node| {
             let is_prose = node.keys().any(|key| PROSE.contains(&key));
-            let in_value = node.text.as_deref().is_some_and(|it| has_word(it, thing.name()));
+            let in_value = node
+                .text
+                .as_deref()
+                .is_some_and(|it| has_word(it, thing.name()));
             let is_key = node.path.last().is_some_and(|it| it == thing.name());
             !is_prose && in_value && !is_known(&node.value) || is_key && !is_known(&node.key)
         });
@@ -286,18 +325,32 @@ fn is_the_same(
 ) -> Result<(), String> {
     let mut texts = BTreeMap::new();
     for (file, places) in all {
-        let Some(before) = workspace.read(file) else { continue };
+        let Some(before) = workspace.read(file) else {
+            continue;
+        };
         let after = replaced(before.as_str(), places, new);
         let expected = expected(workspace, file, thing, new);
         let found = match workspace.kind(file) {
-            Kind::Model => Some(Names::of_model(&prism_lang::parse_model(&after).tree, &after)),
-            Kind::Properties => Some(Names::of_properties(&prism_lang::parse_properties(&after).tree, &after)),
+            Kind::Model => Some(Names::of_model(
+                &prism_lang::parse_model(&after).tree,
+                &after,
+            )),
+            Kind::Properties => Some(Names::of_properties(
+                &prism_lang::parse_properties(&after).tree,
+                &after,
+            )),
             Kind::Toml | Kind::Other => None,
         };
         if let Some(found) = found {
-            let found: Vec<_> = found.iter().map(|it| (it.space, it.role, it.name.clone())).collect();
+            let found: Vec<_> = found
+                .iter()
+                .map(|it| (it.space, it.role, it.name.clone()))
+                .collect();
             if found != expected {
-                return Err(format!("{} would mean something else with `{new}`", shown(file)));
+                return Err(format!(
+                    "{} would mean something else with `{new}`",
+                    shown(file)
+                ));
             }
         }
         texts.insert(file.clone(), after);
@@ -359,7 +412,9 @@ fn has_no_new_mistakes(
         true => {
             let first = after.iter().find(|it| !before.contains(it));
             let why = first.map_or_else(String::new, |it| it.message().to_owned());
-            Err(format!("the study could not be read with the new name: {why}"))
+            Err(format!(
+                "the study could not be read with the new name: {why}"
+            ))
         }
         false => Ok(()),
     }

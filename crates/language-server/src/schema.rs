@@ -30,7 +30,9 @@ impl<'s> Part<'s> {
         }
         all.push(self);
         if let Some(reference) = self.here.get("$ref").and_then(Value::as_str) {
-            let target = reference.strip_prefix('#').and_then(|it| self.root.pointer(it));
+            let target = reference
+                .strip_prefix('#')
+                .and_then(|it| self.root.pointer(it));
             if let Some(target) = target {
                 self.with(target).collect(depth - 1, all);
             }
@@ -48,8 +50,14 @@ impl<'s> Part<'s> {
         let mut found = Vec::new();
         for part in self.alternatives() {
             let property = part.here.get("properties").and_then(|it| it.get(key));
-            let other = part.here.get("additionalProperties").filter(|it| it.is_object());
-            let item = part.here.get("items").filter(|_| key.parse::<usize>().is_ok());
+            let other = part
+                .here
+                .get("additionalProperties")
+                .filter(|it| it.is_object());
+            let item = part
+                .here
+                .get("items")
+                .filter(|_| key.parse::<usize>().is_ok());
             if let Some(next) = property.or(item).or(other) {
                 found.push(part.with(next));
             }
@@ -69,7 +77,10 @@ impl<'s> Part<'s> {
 /// What a schema says of the key at the end of a path.
 #[must_use]
 pub fn description(schema: &Value, path: &[String]) -> Option<String> {
-    let part = Part { root: schema, here: schema };
+    let part = Part {
+        root: schema,
+        here: schema,
+    };
     let found = part.at(path);
     let described = found.iter().flat_map(|it| it.alternatives());
     described
@@ -81,13 +92,18 @@ pub fn description(schema: &Value, path: &[String]) -> Option<String> {
 /// The keys that a table at a path may have, each with what it means.
 #[must_use]
 pub fn keys(schema: &Value, path: &[String]) -> Vec<(String, String)> {
-    let part = Part { root: schema, here: schema };
+    let part = Part {
+        root: schema,
+        here: schema,
+    };
     let mut found: Vec<(String, String)> = Vec::new();
     for table in part.at(path).into_iter().flat_map(Part::alternatives) {
         let keys = table.here.get("properties").and_then(Value::as_object);
         for (key, what) in keys.into_iter().flat_map(Map::iter) {
             let said = table.with(what).alternatives().into_iter();
-            let said = said.filter_map(|it| it.here.get("description")?.as_str()).next();
+            let said = said
+                .filter_map(|it| it.here.get("description")?.as_str())
+                .next();
             if found.iter().all(|(known, _)| known != key) {
                 found.push((key.clone(), said.unwrap_or("").to_owned()));
             }
@@ -99,13 +115,20 @@ pub fn keys(schema: &Value, path: &[String]) -> Vec<(String, String)> {
 /// The words that the value at a path may be, each with what it means.
 #[must_use]
 pub fn choices(schema: &Value, path: &[String]) -> Vec<(String, String)> {
-    let part = Part { root: schema, here: schema };
+    let part = Part {
+        root: schema,
+        here: schema,
+    };
     let mut found: Vec<(String, String)> = Vec::new();
     for value in part.at(path).into_iter().flat_map(Part::alternatives) {
         let said = value.here.get("description").and_then(Value::as_str);
         let words = value.here.get("enum").and_then(Value::as_array);
         let one = value.here.get("const");
-        let all = words.into_iter().flatten().chain(one).filter_map(Value::as_str);
+        let all = words
+            .into_iter()
+            .flatten()
+            .chain(one)
+            .filter_map(Value::as_str);
         for word in all {
             if found.iter().all(|(known, _)| known != word) {
                 let said = said.filter(|_| one.is_some()).unwrap_or("");
@@ -131,11 +154,23 @@ mod tests {
         });
         let path = |text: &str| text.split('.').map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(description(&schema, &path("list")).as_deref(), Some("all"));
-        assert_eq!(description(&schema, &path("list.0.a")).as_deref(), Some("an a"));
-        assert_eq!(description(&schema, &path("other.k")).as_deref(), Some("any key"));
+        assert_eq!(
+            description(&schema, &path("list.0.a")).as_deref(),
+            Some("an a")
+        );
+        assert_eq!(
+            description(&schema, &path("other.k")).as_deref(),
+            Some("any key")
+        );
         assert_eq!(description(&schema, &path("list.0.b")), None);
-        assert_eq!(keys(&schema, &path("list.3")), [("a".to_owned(), "an a".to_owned())]);
-        let words: Vec<_> = choices(&schema, &path("list.0.a")).into_iter().map(|it| it.0).collect();
+        assert_eq!(
+            keys(&schema, &path("list.3")),
+            [("a".to_owned(), "an a".to_owned())]
+        );
+        let words: Vec<_> = choices(&schema, &path("list.0.a"))
+            .into_iter()
+            .map(|it| it.0)
+            .collect();
         assert_eq!(words, ["x", "y", "z"]);
     }
 

@@ -11,18 +11,19 @@ use crate::frame::{self, Frame};
 use crate::text::Text;
 use crate::workspace::{Document, Engine, Workspace};
 use ls_types::{
-    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
+    Diagnostic, DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
     InitializeParams, PublishDiagnosticsParams,
 };
 use lsp_server::{ErrorCode, Message, Notification, Request, RequestId, Response};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::io::{self, BufRead, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::rc::Rc;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::Duration;
 
 /// How the conversation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,9 +77,16 @@ struct Server<W> {
     is_initialized: bool,
     is_shut_down: bool,
     next_request: i32,
+    /// Messages that came before what has changed was judged.
+    put_off: u32,
     can_watch: bool,
     takes_document_changes: bool,
 }
+
+/// How long nothing has to come for what has changed to be judged.
+const QUIET: Duration = Duration::from_millis(40);
+/// After so many messages it is judged all the same.
+const MOST_PUT_OFF: u32 = 50;
 
 type Answer = Result<Value, (ErrorCode, String)>;
 
@@ -95,6 +103,7 @@ impl<W: Write> Server<W> {
             is_initialized: false,
             is_shut_down: false,
             next_request: 1,
+            put_off: 0,
             can_watch: false,
             takes_document_changes: false,
         }
@@ -114,22 +123,29 @@ impl<W: Write> Server<W> {
                 // Answers to what was registered.
                 Message::Response(_) => {}
             }
-            if self.waiting.is_empty() {
-                self.take_what_waits()?;
-            }
-            if self.waiting.is_empty() {
+            self.put_off += u32::from(!self.changed.is_empty());
+            if self.put_off > MOST_PUT_OFF {
                 self.tell_changed()?;
             }
         }
         Ok(Ended::Abruptly)
     }
 
-    /// The next message; waits for it. `None` at the stream's end.
+    /// The next message; waits for it. `None` at the stream's end. What has changed is judged once the editor is quiet: what it
+    /// asks behind a keystroke is answered first.
     fn next(&mut self) -> io::Result<Option<Message>> {
         while self.waiting.is_empty() {
-            match self.incoming.recv() {
+            let frame = match self.changed.is_empty() {
+                true => self.incoming.recv().map_err(RecvTimeoutError::from),
+                false => self.incoming.recv_timeout(QUIET),
+            };
+            match frame {
                 Ok(frame) => self.take(frame)?,
-                Err(_) => return Ok(None),
+                Err(RecvTimeoutError::Timeout) => self.tell_changed()?,
+                Err(RecvTimeoutError::Disconnected) => {
+                    self.tell_changed()?;
+                    return Ok(None);
+                }
             }
         }
         Ok(self.waiting.pop_front())
@@ -166,11 +182,17 @@ impl<W: Write> Server<W> {
         let answer = if self.is_cancelled(&id) {
             Err((ErrorCode::RequestCanceled, "cancelled".to_owned()))
         } else if self.is_shut_down {
-            Err((ErrorCode::InvalidRequest, "the server was shut down".to_owned()))
+            Err((
+                ErrorCode::InvalidRequest,
+                "the server was shut down".to_owned(),
+            ))
         } else if method == "initialize" {
             self.initialize(params)
         } else if !self.is_initialized {
-            Err((ErrorCode::ServerNotInitialized, "`initialize` comes first".to_owned()))
+            Err((
+                ErrorCode::ServerNotInitialized,
+                "`initialize` comes first".to_owned(),
+            ))
         } else if method == "shutdown" {
             self.is_shut_down = true;
             Ok(Value::Null)
@@ -274,7 +296,10 @@ impl<W: Write> Server<W> {
                 let path = Workspace::path(&changed.text_document.uri);
                 let mut document = self.workspace.document(&path)?.clone();
                 let mut text = (*document.text).clone();
-                changed.content_changes.into_iter().for_each(|it| text.change(it));
+                changed
+                    .content_changes
+                    .into_iter()
+                    .for_each(|it| text.change(it));
                 document.text = Rc::new(text);
                 document.version = changed.text_document.version;
                 self.set(path, document);
@@ -314,15 +339,48 @@ impl<W: Write> Server<W> {
         if self.changed.is_empty() {
             return Ok(());
         }
+        self.put_off = 0;
         let changed = std::mem::take(&mut self.changed);
-        let mut all = std::collections::BTreeMap::new();
-        for path in &changed {
+        let mut all = self.judged(&changed);
+        let before = std::mem::take(&mut self.told);
+        // What was told of files of which nothing is to be said any more is taken back.
+        for path in &before {
+            let is_open = self.workspace.document(path).is_some();
+            if all.contains_key(path) {
+                continue;
+            }
+            if is_open && !changed.contains(path) {
+                self.told.insert(path.clone());
+            } else {
+                all.insert(path.clone(), Vec::new());
+            }
+        }
+        for (path, found) in all {
+            let document = self.workspace.document(&path);
+            let version = document.map(|it| it.version);
+            let is_news = !found.is_empty() || document.is_some() || before.contains(&path);
+            let Some(uri) = self.workspace.uri(&path).filter(|_| is_news) else {
+                continue;
+            };
+            if !found.is_empty() || document.is_some() {
+                self.told.insert(path);
+            }
+            let params = PublishDiagnosticsParams::new(uri, found, version);
+            let method = "textDocument/publishDiagnostics".to_owned();
+            self.send(Notification::new(method, params))?;
+        }
+        Ok(())
+    }
+
+    /// What is wrong with these files, and with those that are judged with them. What comes by two ways is said once.
+    fn judged(&self, changed: &BTreeSet<PathBuf>) -> BTreeMap<PathBuf, Vec<Diagnostic>> {
+        let mut all: BTreeMap<PathBuf, Vec<Diagnostic>> = BTreeMap::new();
+        for path in changed {
             let judged = catch_unwind(AssertUnwindSafe(|| {
                 diagnostics::of_file(&self.workspace, path, &self.telling)
             }));
             for (file, found) in judged.unwrap_or_default() {
-                // A model is judged by itself and for its study: what comes by both ways is the same.
-                let known: &mut Vec<ls_types::Diagnostic> = all.entry(file).or_default();
+                let known = all.entry(file).or_default();
                 for it in found {
                     if !known.contains(&it) {
                         known.push(it);
@@ -330,31 +388,7 @@ impl<W: Write> Server<W> {
                 }
             }
         }
-        // What was told of files that are closed, or are of no study any more, is taken back.
-        for path in std::mem::take(&mut self.told) {
-            let is_open = self.workspace.document(&path).is_some();
-            if !all.contains_key(&path) && is_open && !changed.contains(&path) {
-                self.told.insert(path);
-            } else if !all.contains_key(&path) {
-                all.insert(path, Vec::new());
-            }
-        }
-        for (path, found) in all {
-            let Some(uri) = self.workspace.uri(&path) else {
-                continue;
-            };
-            let document = self.workspace.document(&path);
-            if found.is_empty() && document.is_none() && !self.told.contains(&path) {
-                // Nothing was told, so there is nothing to take back; sent all the same it would do no harm.
-            }
-            let version = document.map(|it| it.version);
-            if !found.is_empty() || document.is_some() {
-                self.told.insert(path);
-            }
-            let params = PublishDiagnosticsParams::new(uri, found, version);
-            self.send(Notification::new("textDocument/publishDiagnostics".into(), params))?;
-        }
-        Ok(())
+        all
     }
 }
 

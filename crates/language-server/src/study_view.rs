@@ -68,8 +68,7 @@ impl StudyView {
             let name = path.display().to_string();
             let source = Source::new(name.clone(), model.text.as_str());
             let problems = workspace.engine.mistakes(study, source);
-            let is_of_model =
-                |it: &Problem| it.place().is_some_and(|place| place.name == name);
+            let is_of_model = |it: &Problem| it.place().is_some_and(|place| place.name == name);
             for problem in problems.into_iter().flat_map(Problem::into_each) {
                 if is_whole && !is_of_model(&problem) {
                     found.add(problem);
@@ -105,7 +104,9 @@ impl StudyView {
         let variants = self.folder.join("variants");
         let beside = workspace.siblings(&self.folder, Kind::Toml);
         let mut files: Vec<PathBuf> = self.own_files().collect();
-        let others = beside.into_iter().chain(workspace.siblings(&variants, Kind::Toml));
+        let others = beside
+            .into_iter()
+            .chain(workspace.siblings(&variants, Kind::Toml));
         files.extend(others.filter(|path| {
             let kind = kind::schema_name(path);
             kind.is_some_and(|it| matches!(it, "exploration.toml" | "variant.toml"))
@@ -136,7 +137,10 @@ impl StudyView {
     fn names(&self, workspace: &Workspace) -> Known {
         let keys = |file: &str| {
             let path = self.folder.join(file);
-            let text = workspace.exists(&path).then(|| workspace.read(&path)).flatten();
+            let text = workspace
+                .exists(&path)
+                .then(|| workspace.read(&path))
+                .flatten();
             text.map_or(Vec::new(), |text| toml_tree::nodes(text.as_str()))
         };
         let of_top = |file: &str| {

@@ -17,7 +17,9 @@ use std::path::Path;
 pub fn of_file(workspace: &Workspace, path: &Path) -> Vec<DocumentSymbol> {
     let mut all = match workspace.kind(path) {
         Kind::Model => workspace.model(path).map_or(Vec::new(), |it| of_model(&it)),
-        Kind::Properties => workspace.properties(path).map_or(Vec::new(), |it| of_properties(&it)),
+        Kind::Properties => workspace
+            .properties(path)
+            .map_or(Vec::new(), |it| of_properties(&it)),
         Kind::Toml => workspace.read(path).map_or(Vec::new(), |it| of_toml(&it)),
         Kind::Other => Vec::new(),
     };
@@ -37,7 +39,11 @@ fn symbol(
     let whole = whole.start.min(named.start)..whole.end.max(named.end);
     #[expect(deprecated, reason = "the field has to be given")]
     DocumentSymbol {
-        name: if name.is_empty() { "(no name)".into() } else { name.to_owned() },
+        name: if name.is_empty() {
+            "(no name)".into()
+        } else {
+            name.to_owned()
+        },
         detail: None,
         kind,
         tags: None,
@@ -50,7 +56,14 @@ fn symbol(
 
 fn of_name(text: &Text, name: &ast::Name, kind: SymbolKind, whole: Span) -> DocumentSymbol {
     let named = name.span.start..name.span.end;
-    symbol(text, &name.text, kind, whole.start..whole.end, named, Vec::new())
+    symbol(
+        text,
+        &name.text,
+        kind,
+        whole.start..whole.end,
+        named,
+        Vec::new(),
+    )
 }
 
 fn of_model(view: &ModelView) -> Vec<DocumentSymbol> {
@@ -71,7 +84,14 @@ fn of_model(view: &ModelView) -> Vec<DocumentSymbol> {
         let span = rewards.span;
         all.push(match &rewards.name {
             Some(name) => of_name(text, name, SymbolKind::STRUCT, span),
-            None => symbol(text, "rewards", SymbolKind::STRUCT, span.start..span.end, span.start..span.start, Vec::new()),
+            None => symbol(
+                text,
+                "rewards",
+                SymbolKind::STRUCT,
+                span.start..span.end,
+                span.start..span.start,
+                Vec::new(),
+            ),
         });
     }
     all
@@ -101,7 +121,14 @@ fn of_properties(view: &PropertiesView) -> Vec<DocumentSymbol> {
             Some(name) => of_name(text, name, SymbolKind::PROPERTY, property.span),
             None => {
                 let shown: String = property.text.chars().take(60).collect();
-                symbol(text, &shown, SymbolKind::PROPERTY, span.clone(), span, Vec::new())
+                symbol(
+                    text,
+                    &shown,
+                    SymbolKind::PROPERTY,
+                    span.clone(),
+                    span,
+                    Vec::new(),
+                )
             }
         });
     }
@@ -112,7 +139,10 @@ fn of_properties(view: &PropertiesView) -> Vec<DocumentSymbol> {
 fn of_toml(text: &Text) -> Vec<DocumentSymbol> {
     let nodes = toml_tree::nodes(text.as_str());
     let is_element = |node: &&Node| {
-        let number = node.path.last().is_some_and(|it| it.parse::<usize>().is_ok());
+        let number = node
+            .path
+            .last()
+            .is_some_and(|it| it.parse::<usize>().is_ok());
         node.has_parts && (node.path.len() == 1 || node.path.len() == 2 && number)
     };
     let is_list = |node: &Node| {
@@ -131,7 +161,14 @@ fn of_toml(text: &Text) -> Vec<DocumentSymbol> {
             None => node.path.join("."),
         };
         let named = id.map_or(node.key.clone(), |it| it.value.clone());
-        all.push(symbol(text, &name, SymbolKind::OBJECT, node.value.clone(), named, Vec::new()));
+        all.push(symbol(
+            text,
+            &name,
+            SymbolKind::OBJECT,
+            node.value.clone(),
+            named,
+            Vec::new(),
+        ));
     }
     all
 }

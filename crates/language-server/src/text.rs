@@ -121,13 +121,24 @@ mod tests {
     #[test]
     fn columns_are_utf_16_units() {
         let text = Text::new("aé𝄞b\r\nx".into());
-        let places = [(0, 0, 0), (1, 0, 1), (3, 0, 2), (7, 0, 4), (8, 0, 5), (10, 1, 0), (11, 1, 1)];
+        let places = [
+            (0, 0, 0),
+            (1, 0, 1),
+            (3, 0, 2),
+            (7, 0, 4),
+            (8, 0, 5),
+            (10, 1, 0),
+            (11, 1, 1),
+        ];
         for (offset, line, character) in places {
             let position = Position::new(line, character);
             assert_eq!(text.position(offset), position);
             assert_eq!(text.offset(position), offset);
         }
-        assert_eq!(Text::new("a\rb\n\rc".into()).position(4), Position::new(2, 0));
+        assert_eq!(
+            Text::new("a\rb\n\rc".into()).position(4),
+            Position::new(2, 0)
+        );
         // In the middle of a character, behind a line, behind the text.
         assert_eq!(text.offset(Position::new(0, 3)), 3);
         assert_eq!(text.offset(Position::new(0, 99)), 8);
@@ -141,7 +152,10 @@ mod tests {
     fn changes_of_parts_leave_the_text_that_the_whole_would_be() {
         let mut text = Text::new("one\ntwo\nthree\n".into());
         let range = |a: (u32, u32), b: (u32, u32)| {
-            Some(LspRange::new(Position::new(a.0, a.1), Position::new(b.0, b.1)))
+            Some(LspRange::new(
+                Position::new(a.0, a.1),
+                Position::new(b.0, b.1),
+            ))
         };
         for (range, new) in [
             (range((1, 0), (1, 3)), "2\n2½"),

@@ -32,7 +32,8 @@ impl Node {
     #[must_use]
     pub fn is(&self, pattern: &[&str]) -> bool {
         self.path.len() == pattern.len()
-            && (self.path.iter().zip(pattern)).all(|(part, wanted)| *wanted == "*" || part == wanted)
+            && (self.path.iter().zip(pattern))
+                .all(|(part, wanted)| *wanted == "*" || part == wanted)
     }
 
     /// The last key.
@@ -99,9 +100,9 @@ pub fn inside(file: &str, value: &Range<usize>) -> (usize, String) {
         return (value.start, String::new());
     };
     let quotes = ["\"\"\"", "'''", "\"", "'"];
-    let quote = quotes.into_iter().find(|it| {
-        raw.len() >= 2 * it.len() && raw.starts_with(it) && raw.ends_with(it)
-    });
+    let quote = quotes
+        .into_iter()
+        .find(|it| raw.len() >= 2 * it.len() && raw.starts_with(it) && raw.ends_with(it));
     let Some(quote) = quote else {
         return (value.start, raw.to_owned());
     };
@@ -136,8 +137,14 @@ mod tests {
         let text = "a = 1\n[b]\nc.d = [\"x\", { e = \"y\" }]\n[[f]]\ng = true\n[[f]]\n";
         let found = nodes(text);
         let paths: Vec<String> = found.iter().map(|it| it.path.join(".")).collect();
-        assert!(paths.contains(&"b.c.d.1.e".into()) && paths.contains(&"f.0.g".into()), "{paths:?}");
-        let e = found.iter().find(|it| it.is(&["b", "c", "d", "*", "e"])).unwrap();
+        assert!(
+            paths.contains(&"b.c.d.1.e".into()) && paths.contains(&"f.0.g".into()),
+            "{paths:?}"
+        );
+        let e = found
+            .iter()
+            .find(|it| it.is(&["b", "c", "d", "*", "e"]))
+            .unwrap();
         assert_eq!((&text[e.key.clone()], e.text.as_deref()), ("e", Some("y")));
         assert_eq!(e.keys().collect::<Vec<_>>(), ["b", "c", "d", "e"]);
     }

@@ -25,11 +25,7 @@ use std::path::Path;
 pub const LOOKS: &str = "looks.toml";
 
 /// The looks recorded in a study's folder; `None` if its sample sizes are fixed.
-pub fn load(
-    folder: &Path,
-    texts: &dyn Texts,
-    about: &About,
-) -> Result<Option<Looks>, Problem> {
+pub fn load(folder: &Path, texts: &dyn Texts, about: &About) -> Result<Option<Looks>, Problem> {
     let path = folder.join(LOOKS);
     let is_fixed = about.sample_sizes == SampleSizes::Fixed;
     if !texts.exists(&path) {

@@ -81,12 +81,10 @@ impl Vocabulary {
         found: &mut Problems,
     ) -> Self {
         let path = folder.join("vocabulary.toml");
-        let source = found
-            .keep(texts.text(&path))
-            .unwrap_or_else(|| {
-                found.lose_names();
-                Source::new(path.display().to_string(), "")
-            });
+        let source = found.keep(texts.text(&path)).unwrap_or_else(|| {
+            found.lose_names();
+            Source::new(path.display().to_string(), "")
+        });
         let texts = crate::toml_text::read_on(&source, found);
         let texts: BTreeMap<String, PropositionText> = texts.unwrap_or_default();
         let propositions: BTreeMap<String, Proposition> = texts

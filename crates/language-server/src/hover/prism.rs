@@ -18,7 +18,10 @@ const LONGEST: usize = 2_000;
 /// What is said of a name, by each model that declares it and by the properties file.
 pub fn of_name(workspace: &Workspace, space: Space, name: &str, path: &Path) -> Vec<String> {
     let mut said = Vec::new();
-    if let Some(view) = workspace.properties(path).filter(|_| is_properties(workspace, path)) {
+    if let Some(view) = workspace
+        .properties(path)
+        .filter(|_| is_properties(workspace, path))
+    {
         said.extend(in_properties(&view, space, name));
         if !said.is_empty() {
             said.extend(judged_with(&view));
@@ -72,11 +75,19 @@ fn in_properties(view: &PropertiesView, space: Space, name: &str) -> Option<Stri
                 return Some(code(constant.span.of(text)));
             }
             let formula = file.formulas.iter().find(|it| it.name.text == name)?;
-            Some(with_expansion(formula.span.of(text), &formula.body, &file.formulas))
+            Some(with_expansion(
+                formula.span.of(text),
+                &formula.body,
+                &file.formulas,
+            ))
         }
         Space::Label => {
             if let Some(label) = file.labels.iter().find(|it| it.name.text == name) {
-                return Some(with_expansion(label.span.of(text), &label.body, &file.formulas));
+                return Some(with_expansion(
+                    label.span.of(text),
+                    &label.body,
+                    &file.formulas,
+                ));
             }
             let named = |it: &&ast::Property| it.name.as_ref().is_some_and(|it| it.text == name);
             let property = file.properties.iter().find(named)?;
@@ -106,7 +117,11 @@ pub fn in_model(view: &ModelView, space: Space, name: &str) -> Option<String> {
         Space::Reward => reward(view, name),
         Space::System | Space::Observable => {
             let at = view.names.definition(space, name)?;
-            let what = if space == Space::System { "composition" } else { "observable" };
+            let what = if space == Space::System {
+                "composition"
+            } else {
+                "observable"
+            };
             let line = prism_lang::line_and_column(view.text.as_str(), at.span.start).0;
             Some(format!("{what} `{name}`, line {line}"))
         }
@@ -116,43 +131,29 @@ pub fn in_model(view: &ModelView, space: Space, name: &str) -> Option<String> {
 fn constant(view: &ModelView, name: &str) -> Option<String> {
     let constant = view.constant(name)?;
     let mut said = code(constant.span.of(view.text.as_str()));
-    let value = view.resolved().and_then(|model| model.constant(name));
+    let value = view.value(name);
     match (value, &constant.value) {
         (Some(value), None) => {
-            let _ = write!(said, "\n\nno value here: one is given when the model is checked (`--const {name}=...`). The editor takes {value} for it.");
+            let _ = write!(
+                said,
+                "\n\nno value here: one is given when the model is checked (`--const {name}=...`). The editor takes {value} for it."
+            );
         }
         (Some(value), Some(_)) => {
             let _ = write!(said, "\n\nvalue: {value}");
-            if !view.stand_ins().is_empty() && depends_on_open(view, name) {
+            if !view.stand_ins().is_empty() && view.needed_by(name).1 {
                 said.push_str(", with what the editor takes for the constants without a value");
             }
         }
         (None, None) => {
-            let _ = write!(said, "\n\nno value here: one is given when the model is checked (`--const {name}=...`)");
+            let _ = write!(
+                said,
+                "\n\nno value here: one is given when the model is checked (`--const {name}=...`)"
+            );
         }
         (None, Some(_)) => {}
     }
     Some(said)
-}
-
-/// Whether a constant's definition names one without a value, itself or through others.
-fn depends_on_open(view: &ModelView, name: &str) -> bool {
-    let mut seen = vec![name.to_owned()];
-    let mut next = 0;
-    while let Some(name) = seen.get(next).cloned() {
-        next += 1;
-        let Some(constant) = view.constant(&name) else { continue };
-        let Some(value) = &constant.value else { return true };
-        let inside = view.names.iter().filter(|it| {
-            value.span.start <= it.span.start && it.span.end <= value.span.end
-        });
-        for it in inside {
-            if !seen.contains(&it.name) {
-                seen.push(it.name.clone());
-            }
-        }
-    }
-    false
 }
 
 fn formula(view: &ModelView, name: &str) -> Option<String> {
@@ -292,5 +293,8 @@ fn reward(view: &ModelView, name: &str) -> Option<String> {
         counted(states, "item"),
         structure.items.len() - states
     );
-    Some(format!("{said}\n{}", code(structure.span.of(view.text.as_str()))))
+    Some(format!(
+        "{said}\n{}",
+        code(structure.span.of(view.text.as_str()))
+    ))
 }

@@ -39,12 +39,18 @@ pub fn of_thing(workspace: &Workspace, thing: &Thing, path: &Path) -> Option<Str
         }
         Thing::Parameter(name) => {
             let parameter = study.parameters.declared.get(name)?;
-            Some(format!("`{name}` = {}: {}", parameter.text, parameter.meaning))
+            Some(format!(
+                "`{name}` = {}: {}",
+                parameter.text, parameter.meaning
+            ))
         }
         Thing::Subject(id) => subject(study, id),
         Thing::Evidence(id) => {
             let entry = study.ledger.iter().find(|it| it.id == *id)?;
-            Some(format!("evidence `{id}`: {}\n\n{}", entry.title, entry.changed))
+            Some(format!(
+                "evidence `{id}`: {}\n\n{}",
+                entry.title, entry.changed
+            ))
         }
         Thing::Condition(name) => {
             let meaning = study.about.conditions.get(name)?;
@@ -86,7 +92,10 @@ fn subject(study: &study::Study, id: &str) -> Option<String> {
         return Some(said);
     }
     let mode = study.failure_modes.iter().find(|it| it.id == id)?;
-    Some(format!("failure mode `{id}`, {}: {}", mode.name, mode.meaning))
+    Some(format!(
+        "failure mode `{id}`, {}: {}",
+        mode.name, mode.meaning
+    ))
 }
 
 /// What a requirement's sentence means, and the forms that are made of it.
@@ -105,7 +114,11 @@ pub fn of_sentence(workspace: &Workspace, path: &Path, node: &Node) -> Option<St
     };
     let mut said = meaning(&sentence.tree);
     if let Some(property) = &form.property {
-        let origin = if property.from_sentence { "made of it" } else { "written by hand" };
+        let origin = if property.from_sentence {
+            "made of it"
+        } else {
+            "written by hand"
+        };
         let _ = write!(said, "\n- property ({origin}): `{}`", property.text);
     } else if let Some(reason) = &form.no_property {
         let _ = write!(said, "\n- no property: {reason}");
@@ -126,5 +139,8 @@ pub fn of_sentence(workspace: &Workspace, path: &Path, node: &Node) -> Option<St
 fn meaning(tree: &requirement_lang::Sentence) -> String {
     let explanation = requirement_lang::explain(tree);
     let diagram = explanation.diagram.trim_end();
-    format!("{}\n```text\n{diagram}\n```", explanation.words.join("  \n"))
+    format!(
+        "{}\n```text\n{diagram}\n```",
+        explanation.words.join("  \n")
+    )
 }

@@ -36,7 +36,12 @@ pub fn capabilities() -> Value {
 }
 
 /// Answers a request.
-pub fn answer(workspace: &Workspace, document_changes: bool, method: &str, params: Value) -> Answer {
+pub fn answer(
+    workspace: &Workspace,
+    document_changes: bool,
+    method: &str,
+    params: Value,
+) -> Answer {
     match method {
         "textDocument/hover" => {
             let params: HoverParams = read(params)?;
@@ -123,7 +128,10 @@ impl Place {
         let path = Workspace::path(&at.text_document.uri);
         let missing = || {
             let name = at.text_document.uri.as_str();
-            (ErrorCode::InvalidParams, format!("{name} is not open and cannot be read"))
+            (
+                ErrorCode::InvalidParams,
+                format!("{name} is not open and cannot be read"),
+            )
         };
         let text = workspace.read(&path).ok_or_else(missing)?;
         let offset = text.offset(at.position);
@@ -156,7 +164,9 @@ fn locations(workspace: &Workspace, mentions: &[Mention]) -> Vec<Location> {
 
 fn definition(workspace: &Workspace, at: &Place) -> Vec<Location> {
     let here = cursor::at(workspace, &at.path, at.offset);
-    let found = here.iter().flat_map(|it| cursor::definitions(workspace, &it.thing, &at.path));
+    let found = here
+        .iter()
+        .flat_map(|it| cursor::definitions(workspace, &it.thing, &at.path));
     let mut found: Vec<Mention> = found.collect();
     found.dedup();
     locations(workspace, &found)
@@ -164,7 +174,9 @@ fn definition(workspace: &Workspace, at: &Place) -> Vec<Location> {
 
 fn references(workspace: &Workspace, at: &Place, with_definitions: bool) -> Vec<Location> {
     let here = cursor::at(workspace, &at.path, at.offset);
-    let found = here.iter().flat_map(|it| cursor::places(workspace, &it.thing, &at.path));
+    let found = here
+        .iter()
+        .flat_map(|it| cursor::places(workspace, &it.thing, &at.path));
     let found = found.filter(|it| with_definitions || it.role != Role::Definition);
     let mut found: Vec<Mention> = found.collect();
     found.dedup_by(|a, b| a.path == b.path && a.span == b.span);
@@ -190,7 +202,10 @@ fn renamed(workspace: &Workspace, at: &Place, new: &str, document_changes: bool)
     let (mut changes, mut documents) = (Map::new(), Vec::new());
     for (path, places) in replaced {
         let (Some(uri), Some(text)) = (workspace.uri(&path), workspace.read(&path)) else {
-            return Err(refused(format!("{} cannot be named to the editor", path.display())));
+            return Err(refused(format!(
+                "{} cannot be named to the editor",
+                path.display()
+            )));
         };
         let mut places = places;
         places.sort_by_key(|it| it.start);
@@ -200,7 +215,8 @@ fn renamed(workspace: &Workspace, at: &Place, new: &str, document_changes: bool)
             .map(|it| TextEdit::new(text.range(it), new.to_owned()))
             .collect();
         let version = workspace.document(&path).map(|it| it.version);
-        documents.push(json!({ "textDocument": { "uri": uri, "version": version }, "edits": edits }));
+        documents
+            .push(json!({ "textDocument": { "uri": uri, "version": version }, "edits": edits }));
         changes.insert(uri.as_str().to_owned(), json!(edits));
     }
     Ok(match document_changes {

@@ -27,7 +27,13 @@ fn ask_of_all(workspace: &Workspace, path: &Path) {
 fn paths() -> [PathBuf; 7] {
     let folder = Path::new("/nowhere/study");
     [
-        "m.prism", "m.props", "study.toml", "vocabulary.toml", "requirements.toml", "ledger.toml", "exploration.toml",
+        "m.prism",
+        "m.props",
+        "study.toml",
+        "vocabulary.toml",
+        "requirements.toml",
+        "ledger.toml",
+        "exploration.toml",
     ]
     .map(|it| folder.join(it))
 }
@@ -85,7 +91,9 @@ fn texts_of_the_project_cut_anywhere() {
         matches!(ending, Some("toml" | "prism" | "props"))
     });
     for file in files {
-        let Ok(text) = std::fs::read_to_string(&file) else { continue };
+        let Ok(text) = std::fs::read_to_string(&file) else {
+            continue;
+        };
         let mut workspace = Workspace::new(Box::new(Alone));
         for _ in 0..3 {
             let boundary = |mut at: usize| {

@@ -1,7 +1,7 @@
 //! The protocol, over streams in memory.
 
-use language_server::{Alone, Ended, Engine, serve};
 use diagnostic::Problem;
+use language_server::{Alone, Ended, Engine, serve};
 use serde_json::{Value, json};
 use std::io::{BufReader, Read};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -41,7 +41,10 @@ fn talk_to(messages: &[Value], engine: fn() -> Box<dyn Engine>) -> (Ended, Vec<V
         sender.send(framed.into_bytes()).expect("taken");
     }
     drop(sender);
-    let input = BufReader::new(Pipe { receiver, rest: Vec::new() });
+    let input = BufReader::new(Pipe {
+        receiver,
+        rest: Vec::new(),
+    });
     let mut output = Vec::new();
     let ended = serve(input, &mut output, engine()).expect("an end");
     (ended, unframed(&output))
@@ -52,7 +55,10 @@ fn unframed(bytes: &[u8]) -> Vec<Value> {
     let mut found = Vec::new();
     let mut rest = text;
     while let Some((head, body)) = rest.split_once("\r\n\r\n") {
-        let length = head.trim_start_matches("Content-Length: ").parse::<usize>().expect("a length");
+        let length = head
+            .trim_start_matches("Content-Length: ")
+            .parse::<usize>()
+            .expect("a length");
         found.push(serde_json::from_str(&body[..length]).expect("JSON"));
         rest = &body[length..];
     }
@@ -75,7 +81,10 @@ fn begin() -> Vec<Value> {
 }
 
 fn opened(text: &str) -> Value {
-    note("textDocument/didOpen", json!({ "textDocument": { "uri": "file:///m/m.prism", "languageId": "prism", "version": 1, "text": text } }))
+    note(
+        "textDocument/didOpen",
+        json!({ "textDocument": { "uri": "file:///m/m.prism", "languageId": "prism", "version": 1, "text": text } }),
+    )
 }
 
 fn at(line: u32, character: u32) -> Value {
@@ -83,11 +92,16 @@ fn at(line: u32, character: u32) -> Value {
 }
 
 fn end() -> [Value; 2] {
-    [request(99, "shutdown", Value::Null), note("exit", Value::Null)]
+    [
+        request(99, "shutdown", Value::Null),
+        note("exit", Value::Null),
+    ]
 }
 
 fn answer(said: &[Value], id: i32) -> &Value {
-    let found = said.iter().find(|it| it["id"] == id && it.get("method").is_none());
+    let found = said
+        .iter()
+        .find(|it| it["id"] == id && it.get("method").is_none());
     found.unwrap_or_else(|| panic!("no answer {id} in {said:#?}"))
 }
 
@@ -110,19 +124,34 @@ fn a_model_is_opened_changed_asked_and_closed() {
     messages.extend(end());
     let (ended, said) = talk(&messages);
     assert_eq!(ended, Ended::AsAsked);
-    assert_eq!(answer(&said, 1)["result"]["capabilities"]["renameProvider"]["prepareProvider"], true);
-    let hover = answer(&said, 2)["result"]["contents"]["value"].as_str().expect("said");
+    assert_eq!(
+        answer(&said, 1)["result"]["capabilities"]["renameProvider"]["prepareProvider"],
+        true
+    );
+    let hover = answer(&said, 2)["result"]["contents"]["value"]
+        .as_str()
+        .expect("said");
     assert!(hover.contains("of module `m`"), "{hover}");
-    let edits = answer(&said, 3)["result"]["changes"]["file:///m/m.prism"].as_array().expect("edits");
+    let edits = answer(&said, 3)["result"]["changes"]["file:///m/m.prism"]
+        .as_array()
+        .expect("edits");
     assert_eq!(edits.len(), 2);
-    let formatted = answer(&said, 4)["result"][0]["newText"].as_str().expect("a text");
+    let formatted = answer(&said, 4)["result"][0]["newText"]
+        .as_str()
+        .expect("a text");
     assert!(formatted.starts_with("dtmc // é𝄞\n"), "{formatted}");
     assert_eq!(answer(&said, 5)["result"][0]["name"], "m");
     assert_eq!(answer(&said, 6)["result"].as_array().map(Vec::len), Some(2));
     assert!(answer(&said, 99)["result"].is_null());
     // All came at once: the mistake of the first version was gone before anything was said of it.
-    let told = said.iter().filter(|it| it["method"] == "textDocument/publishDiagnostics");
-    assert!(told.clone().all(|it| it["params"]["diagnostics"] == json!([])), "{said:#?}");
+    let told = said
+        .iter()
+        .filter(|it| it["method"] == "textDocument/publishDiagnostics");
+    assert!(
+        told.clone()
+            .all(|it| it["params"]["diagnostics"] == json!([])),
+        "{said:#?}"
+    );
 }
 
 #[test]
@@ -136,13 +165,26 @@ fn what_is_not_understood_is_answered_and_the_server_goes_on() {
         note("textDocument/didChange", json!(7)),
         note("no/such", json!(7)),
         json!({ "jsonrpc": "2.0", "id": 5, "result": null }),
-        request(6, "textDocument/rename", { let mut it = at(0, 0); it["newName"] = json!("x"); it }),
+        request(6, "textDocument/rename", {
+            let mut it = at(0, 0);
+            it["newName"] = json!("x");
+            it
+        }),
     ]);
     messages.extend(end());
     let (ended, said) = talk(&messages);
     assert_eq!(ended, Ended::AsAsked);
     let code = |id: i32| answer(&said, id)["error"]["code"].as_i64();
-    assert_eq!((code(7), code(2), code(3), code(4), code(6)), (Some(-32002), Some(-32601), Some(-32602), Some(-32602), Some(-32602)));
+    assert_eq!(
+        (code(7), code(2), code(3), code(4), code(6)),
+        (
+            Some(-32002),
+            Some(-32601),
+            Some(-32602),
+            Some(-32602),
+            Some(-32602)
+        )
+    );
 }
 
 #[test]
@@ -155,7 +197,10 @@ fn a_cancelled_request_is_answered_as_cancelled() {
     let (_, said) = talk(&messages);
     // Whether the cancellation was read in time is a race, which either answer ends.
     let hover = answer(&said, 2);
-    assert!(hover["error"]["code"] == -32800 || hover.get("result").is_some(), "{hover}");
+    assert!(
+        hover["error"]["code"] == -32800 || hover.get("result").is_some(),
+        "{hover}"
+    );
 }
 
 #[test]
@@ -166,7 +211,12 @@ fn the_server_ends_with_its_stream_and_says_how() {
     messages.push(note("exit", Value::Null));
     assert_eq!(talk(&messages).0, Ended::Abruptly);
     assert_eq!(talk(&[]).0, Ended::Abruptly);
-    let (ended, said) = talk(&[begin()[0].clone(), end()[0].clone(), request(3, "textDocument/hover", at(0, 0)), end()[1].clone()]);
+    let (ended, said) = talk(&[
+        begin()[0].clone(),
+        end()[0].clone(),
+        request(3, "textDocument/hover", at(0, 0)),
+        end()[1].clone(),
+    ]);
     assert_eq!(ended, Ended::AsAsked);
     assert_eq!(answer(&said, 3)["error"]["code"], -32600);
 }
@@ -192,12 +242,18 @@ impl Engine for Panics {
 fn a_request_that_panics_is_an_internal_error_and_the_next_is_answered() {
     let mut messages = begin();
     messages.push(opened("dtmc const int n = 1;"));
-    messages.push(request(2, "corroborate/explain", json!({ "code": "syntax" })));
+    messages.push(request(
+        2,
+        "corroborate/explain",
+        json!({ "code": "syntax" }),
+    ));
     messages.push(request(3, "textDocument/hover", at(0, 15)));
     messages.extend(end());
     let (ended, said) = talk_to(&messages, || Box::new(Panics));
     assert_eq!(ended, Ended::AsAsked);
     assert_eq!(answer(&said, 2)["error"]["code"], -32603);
-    let hover = answer(&said, 3)["result"]["contents"]["value"].as_str().expect("said");
+    let hover = answer(&said, 3)["result"]["contents"]["value"]
+        .as_str()
+        .expect("said");
     assert!(hover.contains("value: 1"), "{hover}");
 }

@@ -30,7 +30,10 @@ rewards \"time\" true : 1; [go] y : 2; endrewards";
         ("n = 2", "value: 4"),
         ("k; const", "value: 2"),
         ("idle =", "written out:\n```prism\n!(x>0 | y)"),
-        ("y : bool", "global: every module may change it; false or true; initially true"),
+        (
+            "y : bool",
+            "global: every module may change it; false or true; initially true",
+        ),
         ("x : [", "of module `a`; 0 to 4 (5 values); initially 0"),
         ("z]", "copied from there as `z`\n\nof module `b`"),
         ("go]", "`a` (1 command), `b` (1 command) synchronise on it"),
@@ -44,6 +47,12 @@ rewards \"time\" true : 1; [go] y : 2; endrewards";
         assert!(said.contains(expected), "{needle}: {said}");
     }
     assert_eq!(said(text, "é"), "");
+    // Also where something else is wrong.
+    let said = said(
+        "dtmc const int n = 2*k; const int k = 3; const int m = -true; module a [] z -> true; endmodule",
+        "n =",
+    );
+    assert!(said.contains("value: 6"), "{said}");
 }
 
 #[test]
@@ -52,10 +61,20 @@ fn a_constant_without_a_value_is_a_remark_and_stands_in_no_way() {
     let found = told(text);
     let codes: Vec<_> = found.iter().map(|it| (it.0.as_str(), it.1)).collect();
     // `y` is not declared: a mistake, beside the remarks.
-    assert!(codes.contains(&("unknown-name", DiagnosticSeverity::ERROR)), "{codes:?}");
-    assert!(codes.contains(&("undefined-constant", DiagnosticSeverity::INFORMATION)), "{codes:?}");
+    assert!(
+        codes.contains(&("unknown-name", DiagnosticSeverity::ERROR)),
+        "{codes:?}"
+    );
+    assert!(
+        codes.contains(&("undefined-constant", DiagnosticSeverity::INFORMATION)),
+        "{codes:?}"
+    );
     let text = text.replace("[] y -> true; ", "");
-    assert!(told(&text).iter().all(|it| it.1 == DiagnosticSeverity::INFORMATION));
+    assert!(
+        told(&text)
+            .iter()
+            .all(|it| it.1 == DiagnosticSeverity::INFORMATION)
+    );
     let said = said(&text, "n; const");
     assert!(said.contains("--const n=..."), "{said}");
 }
@@ -76,7 +95,13 @@ fn told(text: &str) -> Vec<(String, DiagnosticSeverity, String)> {
 fn diagnostics_are_those_of_the_library_at_utf_16_places() {
     let text = "dtmc\nmodule m /* */ x : bool;\n// 𝄞é\n[] 𝄞 z=0 -> true; endmodule";
     let workspace = with(MODEL, text);
-    let all = diagnostics::of_file(&workspace, Path::new(MODEL), &Telling { explain_scheme: Some("explain".into()) });
+    let all = diagnostics::of_file(
+        &workspace,
+        Path::new(MODEL),
+        &Telling {
+            explain_scheme: Some("explain".into()),
+        },
+    );
     let found = &all[Path::new(MODEL)];
     let parsed = prism_lang::parse_model(text);
     assert_eq!(found.len(), parsed.diagnostics.len());
@@ -85,18 +110,33 @@ fn diagnostics_are_those_of_the_library_at_utf_16_places() {
         assert_eq!(told.message.lines().nth(1), known.remedy.as_deref());
         let lines = Text::new(text.into());
         assert_eq!(told.range, lines.range(known.span.start..known.span.end));
-        let link = told.code_description.as_ref().expect("a link").href.as_str().to_owned();
+        let link = told
+            .code_description
+            .as_ref()
+            .expect("a link")
+            .href
+            .as_str()
+            .to_owned();
         assert_eq!(link, format!("explain:{}.txt", known.code));
     }
-    let clef = found.iter().find(|it| it.message.contains('𝄞')).expect("the clef");
-    assert_eq!((clef.range.start.character, clef.range.end.character), (3, 5));
+    let clef = found
+        .iter()
+        .find(|it| it.message.contains('𝄞'))
+        .expect("the clef");
+    assert_eq!(
+        (clef.range.start.character, clef.range.end.character),
+        (3, 5)
+    );
 }
 
 #[test]
 fn related_places_are_told() {
     let workspace = with(MODEL, "dtmc const int n = 1; const int n = 2;");
     let all = diagnostics::of_file(&workspace, Path::new(MODEL), &Telling::default());
-    let related = all[Path::new(MODEL)][0].related_information.as_ref().expect("related");
+    let related = all[Path::new(MODEL)][0]
+        .related_information
+        .as_ref()
+        .expect("related");
     assert_eq!(related[0].message, "first declared here");
     assert_eq!(related[0].location.uri.as_str(), "file:///models/m.prism");
 }
@@ -109,26 +149,49 @@ fn properties_are_judged_with_the_model_of_their_name() {
     let file = folder.join("b.props");
     let text = "const int k; P=? [ F<=k \"up\" & y ]; P=? [ F \"down\" ]; R{\"r\"}=? [ F x ];";
     workspace.open(&file, text);
-    let judged = |workspace: &Workspace| workspace.properties(&file).expect("read").judged_with.clone();
+    let judged = |workspace: &Workspace| {
+        workspace
+            .properties(&file)
+            .expect("read")
+            .judged_with
+            .clone()
+    };
     assert!(judged(&workspace).contains("this folder has none"));
-    workspace.open(&folder.join("a.prism"), "dtmc module m x : bool; endmodule label \"up\" = x;");
+    workspace.open(
+        &folder.join("a.prism"),
+        "dtmc module m x : bool; endmodule label \"up\" = x;",
+    );
     assert!(judged(&workspace).contains("a.prism (the only model in this folder)"));
     workspace.open(&folder.join("c.prism"), "dtmc");
     assert!(judged(&workspace).contains("this folder has 2"));
-    workspace.open(&folder.join("b.prism"), "dtmc const int n; module m x : [0..n]; endmodule label \"up\" = x=n;");
+    workspace.open(
+        &folder.join("b.prism"),
+        "dtmc const int n; module m x : [0..n]; endmodule label \"up\" = x=n;",
+    );
     assert!(judged(&workspace).contains("b.prism (it has this file's name)"));
     let all = diagnostics::of_file(&workspace, &file, &Telling::default());
-    let mut codes: Vec<String> = all[&file].iter().map(|it| format!("{:?}", it.code)).collect();
+    let mut codes: Vec<String> = all[&file]
+        .iter()
+        .map(|it| format!("{:?}", it.code))
+        .collect();
     codes.sort();
     let shown = codes.join(" ");
     for code in ["undefined-constant", "unknown-label", "unknown-name"] {
         assert!(shown.contains(code), "{code} in {shown}");
     }
-    let hover = hover::at(&workspace, &file, text.find("up").unwrap()).expect("a label").text;
-    assert!(hover.contains("x=n") && hover.contains("judged with b.prism"), "{hover}");
+    let hover = hover::at(&workspace, &file, text.find("up").unwrap())
+        .expect("a label")
+        .text;
+    assert!(
+        hover.contains("x=n") && hover.contains("judged with b.prism"),
+        "{hover}"
+    );
     let defined = cursor::at(&workspace, &file, text.find("up").unwrap());
     let defined = cursor::definitions(&workspace, &defined[0].thing, &file);
-    assert_eq!(defined.iter().map(|it| it.path.clone()).collect::<Vec<_>>(), [folder.join("b.prism")]);
+    assert_eq!(
+        defined.iter().map(|it| it.path.clone()).collect::<Vec<_>>(),
+        [folder.join("b.prism")]
+    );
 }
 
 #[test]
@@ -141,7 +204,10 @@ fn completion_offers_what_is_in_scope() {
     };
     let in_guard = labels(text.find("f -> ").unwrap());
     for name in ["n", "f", "x", "floor"] {
-        assert!(in_guard.contains(&name.to_owned()), "{name} in {in_guard:?}");
+        assert!(
+            in_guard.contains(&name.to_owned()),
+            "{name} in {in_guard:?}"
+        );
     }
     assert!(labels(text.len()).contains(&"module".to_owned()));
     assert_eq!(labels(text.find("go]").unwrap()), ["go"]);
@@ -152,7 +218,10 @@ fn completion_offers_what_is_in_scope() {
     let found = completion::at(&workspace, file, asked.len());
     // Nothing is on the disk there, so the open model is not a sibling by its folder alone.
     let names: Vec<&str> = found.iter().map(|it| it.label.as_str()).collect();
-    assert!(names.contains(&"up") && names.contains(&"deadlock"), "{names:?}");
+    assert!(
+        names.contains(&"up") && names.contains(&"deadlock"),
+        "{names:?}"
+    );
 }
 
 #[test]
@@ -164,16 +233,25 @@ fn the_outline_has_what_is_declared() {
     let children = outline[1].children.as_ref().expect("a variable");
     assert_eq!(children[0].name, "x");
     for it in &outline {
-        assert!(it.range.start <= it.selection_range.start && it.selection_range.end <= it.range.end);
+        assert!(
+            it.range.start <= it.selection_range.start && it.selection_range.end <= it.range.end
+        );
     }
 }
 
 /// The texts in the PRISM language that the project has.
 fn texts() -> Vec<(PathBuf, String)> {
-    let folders = ["conformance", "case-studies", "crates/corroborate/templates"];
+    let folders = [
+        "conformance",
+        "case-studies",
+        "crates/corroborate/templates",
+    ];
     let files = folders.iter().flat_map(|it| files_below(&root().join(it)));
     let of_prism = |path: &PathBuf| {
-        matches!(kind::Kind::of(path, None), kind::Kind::Model | kind::Kind::Properties)
+        matches!(
+            kind::Kind::of(path, None),
+            kind::Kind::Model | kind::Kind::Properties
+        )
     };
     let files = files.filter(of_prism);
     files
@@ -186,11 +264,17 @@ fn texts() -> Vec<(PathBuf, String)> {
 fn what_is_laid_out_has_all_comments_and_means_the_same() {
     let comments = |text: &str| -> Vec<String> {
         let lines = text.lines().filter_map(|line| line.split_once("//"));
-        lines.map(|(_, comment)| comment.trim_end().to_owned()).collect()
+        lines
+            .map(|(_, comment)| comment.trim_end().to_owned())
+            .collect()
     };
     let mut laid_out = 0;
     for (path, text) in texts() {
-        let name = if kind::Kind::of(&path, None) == kind::Kind::Model { MODEL } else { "/m.props" };
+        let name = if kind::Kind::of(&path, None) == kind::Kind::Model {
+            MODEL
+        } else {
+            "/m.props"
+        };
         let workspace = with(name, &text);
         let Ok(edits) = format::edits(&workspace, Path::new(name)) else {
             continue;
@@ -199,7 +283,11 @@ fn what_is_laid_out_has_all_comments_and_means_the_same() {
         let after = edits.first().map_or(text.clone(), |it| it.new_text.clone());
         assert_eq!(comments(&after), comments(&text), "{}", path.display());
         let again = with(name, &after);
-        assert!(format::edits(&again, Path::new(name)).expect("it parses").is_empty());
+        assert!(
+            format::edits(&again, Path::new(name))
+                .expect("it parses")
+                .is_empty()
+        );
         match name == MODEL {
             true => {
                 let tree = |text: &str| prism_lang::parse_model(text).tree.to_string();
@@ -228,13 +316,27 @@ fn every_name_leads_to_its_definition() {
         let workspace = with(MODEL, &text);
         for mention in cursor::in_file(&workspace, Path::new(MODEL)) {
             let defined = cursor::definitions(&workspace, &mention.thing, Path::new(MODEL));
-            let is_action = matches!(mention.thing, language_server::mentions::Thing::Prism(prism_lang::names::Space::Action, _));
-            assert!(!defined.is_empty() || is_action, "{}: {mention:?}", path.display());
+            let is_action = matches!(
+                mention.thing,
+                language_server::mentions::Thing::Prism(prism_lang::names::Space::Action, _)
+            );
+            assert!(
+                !defined.is_empty() || is_action,
+                "{}: {mention:?}",
+                path.display()
+            );
             for it in defined {
-                assert_eq!((&text[it.span.clone()], it.role), (mention.thing.name(), Role::Definition));
+                assert_eq!(
+                    (&text[it.span.clone()], it.role),
+                    (mention.thing.name(), Role::Definition)
+                );
             }
             let shown = hover::at(&workspace, Path::new(MODEL), mention.span.start);
-            assert!(shown.is_some_and(|it| !it.text.is_empty()) || is_action, "{}: {mention:?}", path.display());
+            assert!(
+                shown.is_some_and(|it| !it.text.is_empty()) || is_action,
+                "{}: {mention:?}",
+                path.display()
+            );
             found += 1;
         }
     }

@@ -91,16 +91,25 @@ fn property_files_are_renamed_with_their_model() {
     let at = asked.find("down").unwrap();
     assert!(rename::rename(&workspace, &file, at, "a").is_err());
     let at = text.find("n;").unwrap();
-    assert!(rename::rename(&workspace, &model, at, "k").unwrap_err().contains("m.props"));
+    assert!(
+        rename::rename(&workspace, &model, at, "k")
+            .unwrap_err()
+            .contains("m.props")
+    );
 }
 
 /// The models of the project that can be read.
 fn models() -> Vec<(PathBuf, String)> {
-    let folders = ["conformance/models", "case-studies", "crates/corroborate/templates"];
+    let folders = [
+        "conformance/models",
+        "case-studies",
+        "crates/corroborate/templates",
+    ];
     let files = folders.iter().flat_map(|it| files_below(&root().join(it)));
     let files = files.filter(|it| kind::Kind::of(it, None) == kind::Kind::Model);
     let read = files.filter_map(|it| Some((it.clone(), host::files::read_prism(&it).ok()?.0.text)));
-    read.filter(|(_, text)| !parse_model(text).has_errors()).collect()
+    read.filter(|(_, text)| !parse_model(text).has_errors())
+        .collect()
 }
 
 /// A model's states, number of transitions and labels; `None` where it has too many states for a test, or has no meaning.
@@ -127,11 +136,16 @@ fn every_name_of_every_model_can_be_changed_and_changed_back() {
         let mentions = cursor::in_file(&workspace, document);
         let things: BTreeSet<&Thing> = mentions.iter().map(|it| &it.thing).collect();
         let defined = |thing: &Thing| {
-            mentions.iter().any(|it| it.thing == *thing && it.role == Role::Definition)
+            mentions
+                .iter()
+                .any(|it| it.thing == *thing && it.role == Role::Definition)
         };
         let before = meaning(&text);
         for thing in things.into_iter().filter(|it| defined(it)) {
-            let first = mentions.iter().find(|it| it.thing == *thing).expect("a place");
+            let first = mentions
+                .iter()
+                .find(|it| it.thing == *thing)
+                .expect("a place");
             names += 1;
             let new = "fresh_name_0";
             let places = match rename::rename(&workspace, document, first.span.start, new) {
@@ -148,14 +162,25 @@ fn every_name_of_every_model_can_be_changed_and_changed_back() {
                 assert_eq!(meaning(&changed), before, "{}: {thing:?}", path.display());
             }
             let resolves = |text: &str| resolve(&parse_model(text).tree, &Constants::new()).is_ok();
-            assert_eq!(resolves(&changed), resolves(&text), "{}: {thing:?}", path.display());
+            assert_eq!(
+                resolves(&changed),
+                resolves(&text),
+                "{}: {thing:?}",
+                path.display()
+            );
             let again = alone(&changed);
             let at = changed.find(new).expect("the new name");
             let back = rename::rename(&again, document, at, thing.name()).expect("back");
-            assert_eq!(rename::replaced(&changed, &back[document], thing.name()), text);
+            assert_eq!(
+                rename::replaced(&changed, &back[document], thing.name()),
+                text
+            );
         }
     }
-    println!("{names} names changed and changed back, {} refused", refused.len());
+    println!(
+        "{names} names changed and changed back, {} refused",
+        refused.len()
+    );
     refused.iter().for_each(|it| println!("refused: {it}"));
     assert!(names > 300, "only {names} names");
     assert!(refused.is_empty(), "{refused:#?}");

@@ -11,7 +11,11 @@ use study::Study;
 /// A copy of the handover's texts in a folder of its own.
 fn handover() -> (tempfile::TempDir, PathBuf, Workspace) {
     let folder = tempfile::tempdir().expect("a folder");
-    let to = folder.path().canonicalize().expect("a path").join("handover");
+    let to = folder
+        .path()
+        .canonicalize()
+        .expect("a path")
+        .join("handover");
     let from = root().join("case-studies/handover");
     for file in files_below(&from) {
         let copy = to.join(file.strip_prefix(&from).expect("below"));
@@ -23,19 +27,36 @@ fn handover() -> (tempfile::TempDir, PathBuf, Workspace) {
 
 fn place(file: &Path, needle: &str) -> usize {
     let text = std::fs::read_to_string(file).expect("a text");
-    text.find(needle).unwrap_or_else(|| panic!("{needle} in {}", file.display()))
+    text.find(needle)
+        .unwrap_or_else(|| panic!("{needle} in {}", file.display()))
 }
 
 #[test]
 fn a_sentence_says_what_it_means_and_a_proposition_where_it_is_bound() {
     let (_kept, folder, workspace) = handover();
     let file = folder.join("requirements.toml");
-    let said = |needle| hover::at(&workspace, &file, place(&file, needle)).expect("said").text;
+    let said = |needle| {
+        hover::at(&workspace, &file, place(&file, needle))
+            .expect("said")
+            .text
+    };
     let sentence = said("The robot shall with probability");
-    assert!(sentence.contains("The probability that a run meets this, at all its triggers, must be at least 0.95."), "{sentence}");
-    assert!(sentence.contains("property (written by hand): `P=? [ F \"handed_over\" ]`"), "{sentence}");
+    assert!(
+        sentence.contains(
+            "The probability that a run meets this, at all its triggers, must be at least 0.95."
+        ),
+        "{sentence}"
+    );
+    assert!(
+        sentence.contains("property (written by hand): `P=? [ F \"handed_over\" ]`"),
+        "{sentence}"
+    );
     let proposition = said("grasped\" },");
-    assert!(proposition.contains("closed its hand") && proposition.contains("handover_v1.prism` expresses it"), "{proposition}");
+    assert!(
+        proposition.contains("closed its hand")
+            && proposition.contains("handover_v1.prism` expresses it"),
+        "{proposition}"
+    );
     let vocabulary = folder.join("vocabulary.toml");
     let at = place(&vocabulary, "near_distance");
     let parameter = hover::at(&workspace, &vocabulary, at).expect("said").text;
@@ -54,18 +75,40 @@ fn definitions_are_found_across_files() {
         let found = cursor::definitions(&workspace, &here[0].thing, &file);
         let files: Vec<String> = found
             .iter()
-            .map(|it| it.path.strip_prefix(&folder).expect("below").display().to_string())
+            .map(|it| {
+                it.path
+                    .strip_prefix(&folder)
+                    .expect("below")
+                    .display()
+                    .to_string()
+            })
             .collect();
         assert!(files.iter().any(|it| it == to), "{needle}: {files:?}");
     };
     leads("requirements.toml", "handed_over.\"", "vocabulary.toml");
     leads("requirements.toml", "handed_over\" ]'", "vocabulary.toml");
-    leads("requirements.toml", "release_time satisfy", "parameters.toml");
-    leads("vocabulary.toml", "robotState=GPLOk", "models/handover_v5.prism");
+    leads(
+        "requirements.toml",
+        "release_time satisfy",
+        "parameters.toml",
+    );
+    leads(
+        "vocabulary.toml",
+        "robotState=GPLOk",
+        "models/handover_v5.prism",
+    );
     leads("vocabulary.toml", "object_reach", "parameters.toml");
     leads("ledger.toml", "typical\"", "study.toml");
-    leads("study.toml", "objectReleaseTimer", "models/handover_v1.prism");
-    leads("exploration.toml", "GPLWasOk | robotState", "models/handover_v4.prism");
+    leads(
+        "study.toml",
+        "objectReleaseTimer",
+        "models/handover_v1.prism",
+    );
+    leads(
+        "exploration.toml",
+        "GPLWasOk | robotState",
+        "models/handover_v4.prism",
+    );
 }
 
 /// Applies a rename and reads the study again.
@@ -82,11 +125,20 @@ fn a_proposition_is_renamed_in_all_files_and_the_study_means_the_same() {
     let (_kept, folder, workspace) = handover();
     let before = Study::load(&folder).expect("a study");
     let file = folder.join("vocabulary.toml");
-    let places = rename::rename(&workspace, &file, place(&file, "[handed_over]") + 1, "given").expect("free");
+    let places = rename::rename(
+        &workspace,
+        &file,
+        place(&file, "[handed_over]") + 1,
+        "given",
+    )
+    .expect("free");
     assert_eq!(places.len(), 2);
     let after = applied(&folder, &places, "given");
     for (old, new) in before.requirements.iter().zip(&after.requirements) {
-        let property = old.property.clone().map(|it| it.replace("handed_over", "given"));
+        let property = old
+            .property
+            .clone()
+            .map(|it| it.replace("handed_over", "given"));
         assert_eq!(new.property, property);
     }
     let left = std::fs::read_to_string(folder.join("requirements.toml")).expect("a text");
@@ -98,9 +150,23 @@ fn a_proposition_is_renamed_in_all_files_and_the_study_means_the_same() {
 fn a_variable_of_the_models_is_renamed_in_all_of_them_and_in_the_studys_texts() {
     let (_kept, folder, workspace) = handover();
     let file = folder.join("models/handover_v1.prism");
-    let places = rename::rename(&workspace, &file, place(&file, "robotState :"), "robot_state").expect("free");
-    let names: Vec<String> = places.keys().map(|it| it.file_name().unwrap().to_string_lossy().into_owned()).collect();
-    for name in ["vocabulary.toml", "exploration.toml", "handover_v1.prism", "handover_v5.prism"] {
+    let places = rename::rename(
+        &workspace,
+        &file,
+        place(&file, "robotState :"),
+        "robot_state",
+    )
+    .expect("free");
+    let names: Vec<String> = places
+        .keys()
+        .map(|it| it.file_name().unwrap().to_string_lossy().into_owned())
+        .collect();
+    for name in [
+        "vocabulary.toml",
+        "exploration.toml",
+        "handover_v1.prism",
+        "handover_v5.prism",
+    ] {
         assert!(names.iter().any(|it| it == name), "{name} in {names:?}");
     }
     applied(&folder, &places, "robot_state");
@@ -109,7 +175,10 @@ fn a_variable_of_the_models_is_renamed_in_all_of_them_and_in_the_studys_texts() 
         if let Ok(text) = std::fs::read_to_string(&file)
             && is_known
         {
-            let code: String = text.lines().map(|it| it.split("//").next().unwrap_or("")).collect();
+            let code: String = text
+                .lines()
+                .map(|it| it.split("//").next().unwrap_or(""))
+                .collect();
             assert!(!code.contains("robotState="), "{}", file.display());
         }
     }
@@ -132,7 +201,9 @@ fn mistakes_of_texts_that_are_not_saved_are_those_of_the_command_line() {
     let (_kept, folder, mut workspace) = handover();
     let file = folder.join("requirements.toml");
     let text = std::fs::read_to_string(&file).expect("a text");
-    let wrong = text.replacen("satisfy handed_over", "satisfy handed_ovr", 1).replacen("margin = 0.10", "margin = 2", 1);
+    let wrong = text
+        .replacen("satisfy handed_over", "satisfy handed_ovr", 1)
+        .replacen("margin = 0.10", "margin = 2", 1);
     workspace.open(&file, &wrong);
     let told = diagnostics::of_file(&workspace, &file, &Telling::default());
     let told = &told[&file];
@@ -162,7 +233,9 @@ fn completion_knows_propositions_parameters_and_identifiers() {
         found.into_iter().map(|it| it.label).collect()
     };
     let in_sentence = labels("requirements.toml", "handed_over.\"");
-    assert!(in_sentence.contains(&"released".into()) && in_sentence.contains(&"release_time".into()));
+    assert!(
+        in_sentence.contains(&"released".into()) && in_sentence.contains(&"release_time".into())
+    );
     assert!(labels("ledger.toml", "typical\"").contains(&"typical".into()));
     assert!(labels("vocabulary.toml", "GPLWasOk |").contains(&"robotState".into()));
 }
@@ -179,7 +252,14 @@ fn a_file_without_a_study_is_no_study() {
 #[test]
 fn every_mention_of_every_study_is_its_name() {
     let mut mentions = 0;
-    for study in ["handover", "cell", "corridor", "cloakroom", "four-physics", "pendulum"] {
+    for study in [
+        "handover",
+        "cell",
+        "corridor",
+        "cloakroom",
+        "four-physics",
+        "pendulum",
+    ] {
         let folder = root().join("case-studies").join(study);
         let workspace = Workspace::new(Box::new(Alone));
         let view = workspace.study(&folder).expect("a study");

@@ -43,7 +43,10 @@ label \"l\" = y=1 & z=0;";
     );
     // The copy `b` has the action `y`, too: one entry renames both.
     assert_eq!(lines(&names, Space::Action, "x", text)[0], (4, Definition));
-    assert_eq!(lines(&names, Space::Action, "y", text), [(7, Use), (9, Replaced)]);
+    assert_eq!(
+        lines(&names, Space::Action, "y", text),
+        [(7, Use), (9, Replaced)]
+    );
     assert_eq!(
         lines(&names, Space::Value, "y", text),
         [(7, Definition), (9, Replaced), (10, Use)]
@@ -67,12 +70,16 @@ fn quotes_blanks_and_primes_are_not_part_of_a_name() {
     let found = Names::of_properties(&parsed.tree, file);
     let spans: Vec<&str> = found.iter().map(|it| it.span.of(file)).collect();
     assert_eq!(spans, ["a", "up", "r", "k", "k", "a"]);
-    assert_eq!(found.definition(Space::Label, "a").map(|it| it.span.start), Some(1));
+    assert_eq!(
+        found.definition(Space::Label, "a").map(|it| it.span.start),
+        Some(1)
+    );
 }
 
 #[test]
 fn a_text_with_mistakes_has_the_names_that_could_be_read() {
-    let text = "dtmc const int n = ; module m x : [0..n]; [] x=0 -> (x'=; [] x=1 -> (x'=0); endmodule";
+    let text =
+        "dtmc const int n = ; module m x : [0..n]; [] x=0 -> (x'=; [] x=1 -> (x'=0); endmodule";
     let names = Names::of_model(&parse_model(text).tree, text);
     assert!(names.of(Space::Value, "x").count() >= 3);
     for it in names.iter() {
