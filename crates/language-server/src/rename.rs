@@ -99,7 +99,7 @@ fn is_a_name(thing: &Thing, new: &str) -> Result<(), String> {
     match space.can_name(new) {
         true => Ok(()),
         false => Err(format!(
-            "`{new}` cannot be a name here: names are letters, digits and `_`, do not start with a digit, and are no words of the language"
+            "`{new}` cannot be a name here: names are letters, digits and `_`, do not start with a digit, and are not words of the language"
         )),
     }
 }

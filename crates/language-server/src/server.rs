@@ -308,8 +308,9 @@ impl<W: Write> Server<W> {
                 let closed: DidCloseTextDocumentParams = serde_json::from_value(params).ok()?;
                 let path = Workspace::path(&closed.text_document.uri);
                 self.workspace.close(&path);
-                self.changed.remove(&path);
                 self.all_open_are_changed();
+                // What was told of it is taken back.
+                self.changed.insert(path);
             }
             "textDocument/didSave" | "workspace/didChangeWatchedFiles" => {
                 self.workspace.forget_studies();
@@ -375,7 +376,8 @@ impl<W: Write> Server<W> {
     /// What is wrong with these files, and with those that are judged with them. What comes by two ways is said once.
     fn judged(&self, changed: &BTreeSet<PathBuf>) -> BTreeMap<PathBuf, Vec<Diagnostic>> {
         let mut all: BTreeMap<PathBuf, Vec<Diagnostic>> = BTreeMap::new();
-        for path in changed {
+        let is_open = |path: &&PathBuf| self.workspace.document(path).is_some();
+        for path in changed.iter().filter(is_open) {
             let judged = catch_unwind(AssertUnwindSafe(|| {
                 diagnostics::of_file(&self.workspace, path, &self.telling)
             }));
