@@ -12,6 +12,7 @@
 use crate::cursor;
 use crate::kind::{self, Kind};
 use crate::mentions::{Mention, Thing};
+use crate::model::ModelView;
 use crate::text::Text;
 use crate::toml_tree;
 use crate::workspace::Workspace;
@@ -115,56 +116,57 @@ fn is_free(workspace: &Workspace, file: &Path, thing: &Thing, new: &str) -> Resu
         ) => name == new,
         _ => false,
     };
-    if let Some(it) = cursor::in_file(workspace, file).iter().find(|it| taken(it)) {
-        let line = workspace
-            .read(file)
-            .map_or(0, |text| line_of(&text, it.span.start));
-        return Err(format!(
-            "`{new}` is already a name in {}, line {line}",
-            shown(file)
-        ));
+    let here = cursor::in_file(workspace, file);
+    if let Some(it) = here.iter().find(|it| taken(it)) {
+        let text = workspace.read(file);
+        let line = text.map_or(0, |text| line_of(&text, it.span.start));
+        let file = shown(file);
+        return Err(format!("`{new}` is already a name in {file}, line {line}"));
     }
-    let unread = |is_read: bool| match is_read {
+    let is_read = match workspace.kind(file) {
+        Kind::Model => match workspace.model(file) {
+            Some(view) => {
+                let in_copies = [Space::Value, Space::Action];
+                if matches!(thing, Thing::Prism(space, _) if in_copies.contains(space)) {
+                    is_not_caught(&view, thing.name(), new)?;
+                }
+                view.is_read
+            }
+            None => true,
+        },
+        Kind::Properties => workspace.properties(file).is_none_or(|view| view.is_read),
+        Kind::Toml | Kind::Other => true,
+    };
+    match is_read {
         true => Ok(()),
         false => Err(format!(
             "{} has syntax errors, so that names in it may be overlooked: correct them first",
             shown(file)
         )),
-    };
-    match workspace.kind(file) {
-        Kind::Model => {
-            let Some(view) = workspace.model(file) else {
-                return Ok(());
-            };
-            if view.names.is_in_a_copy(&view.tree, new) {
-                return Err(format!(
-                    "`{new}` is a name in a renamed copy of a module in {}, which would catch it",
-                    shown(file)
-                ));
-            }
-            let old = thing.name();
-            let spaces = [Space::Value, Space::Action];
-            let is_both = view.names.iter().any(|it| {
-                it.name == old
-                    && spaces.contains(&it.space)
-                    && view
-                        .names
-                        .at(it.span.start)
-                        .any(|other| other.space != it.space && other.span == it.span)
-            });
-            if is_both {
-                return Err(format!(
-                    "a renamed copy in {} renames `{old}` as a value and as an action by one entry: write two entries first",
-                    shown(file)
-                ));
-            }
-            unread(view.is_read)
-        }
-        Kind::Properties => {
-            let view = workspace.properties(file);
-            unread(view.is_none_or(|view| view.is_read))
-        }
-        Kind::Toml | Kind::Other => Ok(()),
+    }
+}
+
+/// Whether the renamed copies of a model leave both names what they are.
+fn is_not_caught(view: &ModelView, old: &str, new: &str) -> Result<(), String> {
+    let file = shown(&view.path);
+    if view.names.is_in_a_copy(&view.tree, new) {
+        return Err(format!(
+            "`{new}` is a name in a renamed copy of a module in {file}, which would catch it"
+        ));
+    }
+    let of_copies = [Space::Value, Space::Action];
+    let mut here = view.names.iter();
+    let is_both = here.any(|it| {
+        let mut beside = view.names.at(it.span.start);
+        it.name == old
+            && of_copies.contains(&it.space)
+            && beside.any(|other| other.space != it.space && other.span == it.span)
+    });
+    match is_both {
+        true => Err(format!(
+            "a renamed copy in {file} renames `{old}` as a value and as an action by one entry: write two entries first"
+        )),
+        false => Ok(()),
     }
 }
 
@@ -194,6 +196,15 @@ const PROSE: [&str; 10] = [
 /// How many further files are looked into.
 const MOST_FILES: usize = 500;
 
+/// Of a study's other files, these speak of what a model declares.
+const OF_MODELS: [&str; 5] = [
+    "calibration.toml",
+    "variant.toml",
+    "exploration.toml",
+    "rare.toml",
+    "finding.toml",
+];
+
 /// That no other file of the study names the thing in a way that is not known here.
 fn elsewhere(workspace: &Workspace, from: &Path, thing: &Thing) -> Result<(), String> {
     let Some(study) = workspace.study_of(from) else {
@@ -207,55 +218,48 @@ fn elsewhere(workspace: &Workspace, from: &Path, thing: &Thing) -> Result<(), St
             return Ok(());
         }
     }
+    let name = thing.name();
     if let Some(template) = needed_by(&study.study, thing) {
         return Err(format!(
-            "`{}` is a name that the library's requirement `{template}` needs: it cannot be changed",
-            thing.name()
+            "`{name}` is a name that the library's requirement `{template}` needs: it cannot be changed"
         ));
     }
     let mut files = Vec::new();
     below(&study.folder, 0, &mut files);
-    // Of a study's other files, these speak of what a model declares.
-    let of_models = [
-        "calibration.toml",
-        "variant.toml",
-        "exploration.toml",
-        "rare.toml",
-        "finding.toml",
-    ];
-    let may_name = |file: &PathBuf| {
-        !matches!(thing, Thing::Prism(..))
-            || kind::schema_name(file).is_some_and(|it| of_models.contains(&it))
-    };
-    for file in files.into_iter().filter(may_name) {
-        let Some(text) = workspace.read(&file) else {
+    for file in files {
+        let is_of_models = kind::schema_name(&file).is_some_and(|it| OF_MODELS.contains(&it));
+        let of_models_alone = matches!(thing, Thing::Prism(..));
+        if of_models_alone && !is_of_models {
             continue;
-        };
-        // What is known to be a name is replaced with all others.
-        let known = cursor::in_file(workspace, &file);
-        let is_known = |part: &Range<usize>| {
-            let mut inside = known.iter().filter(|it| it.thing == *thing);
-            inside.any(|it| part.start <= it.span.start && it.span.end <= part.end)
-        };
-        let named = toml_tree::nodes(text.as_str()).into_iter().find(|node| {
-            let is_prose = node.keys().any(|key| PROSE.contains(&key));
-            let in_value = node
-                .text
-                .as_deref()
-                .is_some_and(|it| has_word(it, thing.name()));
-            let is_key = node.path.last().is_some_and(|it| it == thing.name());
-            !is_prose && in_value && !is_known(&node.value) || is_key && !is_known(&node.key)
-        });
-        if let Some(node) = named {
+        }
+        if let Some(line) = names_it_otherwise(workspace, &file, thing) {
+            let file = shown(&file);
             return Err(format!(
-                "{}, line {}, may name `{}`, too: change it there by hand first",
-                shown(&file),
-                line_of(&text, node.key.start),
-                thing.name()
+                "{file}, line {line}, may name `{name}`, too: change it there by hand first"
             ));
         }
     }
     Ok(())
+}
+
+/// The line of a file in which a key or a text that is not for people has the name, where that is not known to be one: what is
+/// known is replaced with all others.
+fn names_it_otherwise(workspace: &Workspace, file: &Path, thing: &Thing) -> Option<u32> {
+    let text = workspace.read(file)?;
+    let known = cursor::in_file(workspace, file);
+    let is_known = |part: &Range<usize>| {
+        let mut inside = known.iter().filter(|it| it.thing == *thing);
+        inside.any(|it| part.start <= it.span.start && it.span.end <= part.end)
+    };
+    let mut nodes = toml_tree::nodes(text.as_str()).into_iter();
+    let found = nodes.find(|node| {
+        let is_prose = node.keys().any(|key| PROSE.contains(&key));
+        let words = node.text.as_deref();
+        let in_value = words.is_some_and(|it| has_word(it, thing.name()));
+        let is_key = node.path.last().is_some_and(|it| it == thing.name());
+        !is_prose && in_value && !is_known(&node.value) || is_key && !is_known(&node.key)
+    })?;
+    Some(line_of(&text, found.key.start))
 }
 
 /// The requirement of the library that needs a proposition or a parameter by its name.

@@ -68,6 +68,19 @@ module b = a [x=y, go=stop] endmodule";
     assert!(builtin.expect_err("built in").contains("cannot be a name"));
 }
 
+/// As in published models: a module with the name of a constant that its copy replaces, and entries that change nothing.
+#[test]
+fn what_copies_do_not_catch_can_be_renamed() {
+    let text =
+        "mdp const int E = 1; const int D = 2; module E x : [0..E]; [] x=0 -> (x'=1); endmodule
+module F = E [x=y, y=x, E=D] endmodule";
+    let of_module = renamed(text, "E x", "G").expect("free");
+    assert!(of_module.contains("module G x : [0..E]") && of_module.contains("= G [x=y, y=x, E=D]"));
+    let of_variable = renamed(text, "x : [", "z").expect("free");
+    assert!(of_variable.contains("[z=y, y=z, E=D]"), "{of_variable}");
+    assert_eq!(renamed(&of_variable, "z : [", "x").as_deref(), Ok(text));
+}
+
 #[test]
 fn property_files_are_renamed_with_their_model() {
     let folder = tempfile::tempdir().expect("a folder");

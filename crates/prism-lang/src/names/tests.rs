@@ -58,6 +58,29 @@ label \"l\" = y=1 & z=0;";
     assert_eq!(names.at(text.find("x=y").unwrap()).count(), 2);
 }
 
+/// Entries that change nothing, as published models have them, name what there is.
+#[test]
+fn an_entry_for_what_the_copied_module_does_not_have_is_one_of_the_name() {
+    let text = "mdp
+module a x : [0..1]; [] x=0 -> (x'=1); endmodule
+module b = a [x=y, y=x] endmodule";
+    let names = names(text);
+    use Role::{Assignment, Definition, Replaced, Use};
+    let of_x = [
+        (2, Definition),
+        (2, Use),
+        (2, Assignment),
+        (3, Replaced),
+        (3, Use),
+    ];
+    assert_eq!(lines(&names, Space::Value, "x", text), of_x);
+    assert_eq!(
+        lines(&names, Space::Value, "y", text),
+        [(3, Definition), (3, Replaced)]
+    );
+    assert_eq!(names.of(Space::Action, "x").count(), 0);
+}
+
 #[test]
 fn quotes_blanks_and_primes_are_not_part_of_a_name() {
     let text = "dtmc module m x : bool; [] true -> (x' = !x); endmodule label \" up \" = x; rewards \"r\" true : 1; endrewards";
