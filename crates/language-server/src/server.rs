@@ -84,7 +84,7 @@ struct Server<W> {
 }
 
 /// How long nothing has to come for what has changed to be judged.
-const QUIET: Duration = Duration::from_millis(40);
+const QUIET: Duration = Duration::from_millis(20);
 /// After so many messages it is judged all the same.
 const MOST_PUT_OFF: u32 = 50;
 
