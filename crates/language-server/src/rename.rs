@@ -82,7 +82,11 @@ pub fn rename(
     }
     let files = match &it.thing {
         Thing::Prism(space, name) => cursor::files_of_name(workspace, *space, name, path),
-        _ => replaced.keys().cloned().collect(),
+        // All of the study's: where the name is not used, it may be caught.
+        _ => {
+            let study = workspace.study_of(path);
+            study.map_or(Vec::new(), |it| it.files(workspace))
+        }
     };
     for file in &files {
         is_free(workspace, file, &it.thing, new)?;

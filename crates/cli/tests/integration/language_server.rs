@@ -163,6 +163,21 @@ fn an_editor_is_told_what_plan_tells() {
     assert_eq!(editor.end(), 0);
 }
 
+/// Editors end what does not end by itself.
+#[cfg(unix)]
+#[test]
+fn a_signal_ends_it_at_once() {
+    use std::os::unix::process::ExitStatusExt;
+    let study = Study::new();
+    let mut editor = Editor::new(study.beside());
+    let name = editor.program.id().to_string();
+    let kill = std::process::Command::new("kill")
+        .args(["-TERM", &name])
+        .status();
+    assert!(kill.expect("kill").success());
+    assert_eq!(editor.program.wait().expect("it ends").signal(), Some(15));
+}
+
 #[test]
 fn what_is_typed_at_a_terminal_is_refused_with_a_remedy() {
     let study = Study::new();

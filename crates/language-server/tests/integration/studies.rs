@@ -194,6 +194,10 @@ fn identifiers_and_names_that_the_library_needs_are_not_renamed() {
     assert!(refused("1a\"", "x").contains("change it by hand"));
     assert!(refused("handed_over.\"", "released").contains("already a name"));
     assert!(refused("handed_over.\"", "a b").contains("cannot be a name"));
+    // A parameter in a predicate would be taken for the proposition, though no text that names it has both.
+    assert!(
+        refused("release_time satisfy", "resetting").contains("already a name in vocabulary.toml")
+    );
 }
 
 #[test]
