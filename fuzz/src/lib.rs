@@ -5,6 +5,8 @@
 //! `inputs/` and on variations of them (`crates/cli/tests/integration/fuzz_inputs.rs`).
 
 use checker::explore::{ExploreOptions, explore_with};
+use language_server::{Alone, Workspace};
+use prism_lang::names::Names;
 use prism_lang::{
     Constants, Diagnostic, parse_model, parse_properties, resolve, resolve_properties,
 };
@@ -19,6 +21,7 @@ pub fn model(bytes: &[u8]) {
     };
     let parsed = parse_model(text);
     places_lie_in(text, &parsed.diagnostics);
+    names_are_there(text, &Names::of_model(&parsed.tree, text));
     if parsed.has_errors() {
         return;
     }
@@ -50,6 +53,7 @@ pub fn properties(bytes: &[u8]) {
     };
     let parsed = parse_properties(text);
     places_lie_in(text, &parsed.diagnostics);
+    names_are_there(text, &Names::of_properties(&parsed.tree, text));
     if parsed.has_errors() {
         return;
     }
@@ -67,6 +71,50 @@ pub fn properties(bytes: &[u8]) {
     if let Err(found) = resolve_properties(&parsed.tree, &model, &given) {
         places_lie_in(text, &found);
     }
+}
+
+/// What names stand where is what is written there.
+fn names_are_there(text: &str, names: &Names) {
+    for it in names.iter() {
+        assert_eq!(it.span.of(text), it.name, "{it:?}");
+    }
+}
+
+/// What an editor sends, if it begins as a message does; else a text that is opened, by its first byte as one kind of file, and
+/// asked about everywhere.
+pub fn editor(bytes: &[u8]) {
+    if bytes.starts_with(b"Content-Length:") {
+        let input = std::io::Cursor::new(bytes.to_vec());
+        // Streams that cannot be read are an error, and all others an end.
+        let _ = language_server::serve(input, std::io::sink(), Box::new(Alone));
+        return;
+    }
+    let text = String::from_utf8_lossy(bytes);
+    let names = [
+        "m.prism",
+        "m.props",
+        "study.toml",
+        "vocabulary.toml",
+        "requirements.toml",
+        "ledger.toml",
+    ];
+    let which = bytes
+        .first()
+        .map_or(0, |byte| usize::from(*byte) % names.len());
+    let folder = std::path::Path::new("/no-such-folder");
+    let mut workspace = Workspace::new(Box::new(Alone));
+    workspace.open(&folder.join("study.toml"), "title = \"\"");
+    let path = folder.join(names[which]);
+    workspace.open(&path, text.clone());
+    for offset in (0..=text.len()).step_by(text.len() / 5 + 1) {
+        let _ = language_server::hover::at(&workspace, &path, offset);
+        let _ = language_server::completion::at(&workspace, &path, offset);
+        let _ = language_server::rename::rename(&workspace, &path, offset, "fresh_0");
+    }
+    let telling = language_server::diagnostics::Telling::default();
+    let _ = language_server::diagnostics::of_file(&workspace, &path, &telling);
+    let _ = language_server::symbols::of_file(&workspace, &path);
+    let _ = language_server::format::edits(&workspace, &path);
 }
 
 fn places_lie_in(text: &str, found: &[Diagnostic]) {

@@ -8,6 +8,7 @@ mod diff;
 mod engines;
 mod explore;
 mod format;
+mod language_server;
 mod peers;
 mod rare;
 mod recordings;
@@ -28,6 +29,7 @@ pub use diff::{Diff, DiffFormat, Written};
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
 pub use format::FormatFiles;
+pub use language_server::LanguageServer;
 pub use peers::with_peers_spelling;
 pub use rare::{Calibrate, Rare};
 pub use recordings::{EndingChoice, Inspect, Monitor, Requirements, TimeChoice};
@@ -103,6 +105,8 @@ pub enum Command {
     Check(Box<Check>),
     /// Lay out models and property files anew; comments stay.
     Format(FormatFiles),
+    /// Answer an editor: diagnostics, hover, definitions, rename, completion (Language Server Protocol over standard input and output).
+    LanguageServer(LanguageServer),
     /// Run episodes of a study's simulation and record them.
     Simulate(Simulate),
     /// Look for unexpected behaviour: coverage-driven tests.

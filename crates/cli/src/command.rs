@@ -14,6 +14,7 @@ mod explore;
 mod format;
 mod init;
 mod inspect;
+mod language_server;
 mod man;
 mod monitor;
 mod plan;
@@ -52,6 +53,7 @@ pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
         Command::Plan(arguments) => plan::plan(arguments, setting),
         Command::Check(arguments) => check::check(arguments, setting),
         Command::Format(arguments) => format::format(arguments),
+        Command::LanguageServer(arguments) => language_server::language_server(arguments),
         Command::Simulate(arguments) => simulate::simulate(arguments, setting),
         Command::Explore(arguments) => explore::explore(arguments, setting),
         Command::Shrink(arguments) => shrink::shrink(arguments, setting),

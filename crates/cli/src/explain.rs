@@ -40,6 +40,13 @@ pub fn explain(arguments: &Explain) -> Result<Done, Problem> {
     })
 }
 
+/// What a code or word means.
+pub fn text(name: &str) -> Option<String> {
+    let topics = topics();
+    let topic = topics.iter().find(|it| it.name == name)?;
+    Some(topic.text.to_owned())
+}
+
 fn list(topics: &[Topic]) -> String {
     let mut output = String::new();
     let mut group = "";

@@ -29,7 +29,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     let host = host::Host {
         events: terminal::events(parsed.quiet),
-        cancel: terminal::cancel_on_interrupt(),
+        cancel: match parsed.command {
+            // It waits for an editor and has no work that would be lost: a signal ends it at once.
+            args::Command::LanguageServer(_) => Arc::default(),
+            _ => terminal::cancel_on_interrupt(),
+        },
         physics_library: physics_library::find(),
         build: corroborate::build(),
         python_path: python_path::of_environment(),

@@ -164,7 +164,7 @@ impl<'t> Lexer<'t> {
             self.number();
         } else if first == '"' {
             self.quoted();
-        } else if let Some(symbol) = SYMBOLS.iter().find(|s| rest.starts_with(**s)) {
+        } else if let Some(symbol) = symbol(rest) {
             self.push(TokenKind::Symbol, self.at + symbol.len(), symbol);
         } else {
             self.invalid(first);
@@ -260,6 +260,14 @@ impl<'t> Lexer<'t> {
             .push(Diagnostic::error("invalid-character", span, message).remedy(remedy));
         self.at = end;
     }
+}
+
+/// The symbol that a text begins with.
+fn symbol(text: &str) -> Option<&'static str> {
+    let first = text.as_bytes().first()?;
+    let mut symbols = SYMBOLS.iter().copied();
+    // The first byte tells most of them apart.
+    symbols.find(|symbol| symbol.as_bytes()[0] == *first && text.starts_with(symbol))
 }
 
 fn count_digits(text: &str) -> usize {

@@ -32,6 +32,7 @@ pub mod expr;
 mod format;
 mod gcd;
 mod lexer;
+pub mod names;
 mod number;
 mod parser;
 mod print;

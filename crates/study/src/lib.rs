@@ -22,6 +22,7 @@ pub mod placed;
 mod requirements;
 pub mod schemas;
 mod sentence_form;
+mod texts;
 mod toml_text;
 mod vocabulary;
 mod weighing;
@@ -37,6 +38,7 @@ pub use requirements::{
     FormText, Forms, ReadingForm, SubjectForm, TriggerForm, quoted_names, text_in_words,
 };
 pub use sentence_form::SentenceForm;
+pub use texts::{Saved, Texts};
 pub use toml_text::{place_of_unknown, read as read_toml, read_as};
 pub use vocabulary::{Binding, Vocabulary};
 
@@ -208,18 +210,30 @@ impl Study {
     /// # Errors
     /// `no-study` if there is none.
     pub fn read(folder: &Path, found: &mut Problems) -> Result<Self, Problem> {
+        Self::read_texts(folder, &Saved, found)
+    }
+
+    /// The same of texts that need not be those in the folder: an editor's, which are not saved yet.
+    ///
+    /// # Errors
+    /// `no-study` if there is none.
+    pub fn read_texts(
+        folder: &Path,
+        texts: &dyn Texts,
+        found: &mut Problems,
+    ) -> Result<Self, Problem> {
         if !folder.is_dir() {
             return Err(
                 Problem::new("no-study", format!("{} is not a folder", folder.display()))
                     .remedy("name a study's folder, or make one with `corroborate init FOLDER`"),
             );
         }
-        let (about, about_source) = read_about(folder, found)?;
-        let parameters = StudyParameters::load(folder, found);
-        let vocabulary = Vocabulary::load(folder, &parameters, found);
+        let (about, about_source) = read_about(folder, texts, found)?;
+        let parameters = StudyParameters::load(folder, texts, found);
+        let vocabulary = Vocabulary::load(folder, texts, &parameters, found);
         let (mut requirements, failure_modes, forms) =
-            requirements::load(folder, &vocabulary, &parameters, &about, found);
-        let (ledger, ledger_source) = ledger::load(folder, &about, &forms, found);
+            requirements::load((folder, texts), &vocabulary, &parameters, &about, found);
+        let (ledger, ledger_source) = ledger::load((folder, texts), &about, &forms, found);
         forms.complete_carried(&mut requirements, &ledger, found);
         let costs = weighing::trial_costs(&about, &ledger, &about_source);
         let costs = found
@@ -227,7 +241,7 @@ impl Study {
             .unwrap_or_else(evidence::TrialCosts::equal);
         let weights = weighing::weights(&about, &ledger, &about_source);
         let weights = found.keep(weights).unwrap_or_default();
-        let looks = found.keep(looks::load(folder, &about)).flatten();
+        let looks = found.keep(looks::load(folder, texts, &about)).flatten();
         Ok(Self {
             folder: folder.to_owned(),
             costs,
@@ -264,16 +278,20 @@ impl Study {
 }
 
 /// Its mistakes are added to those that were found; values that are wrong are replaced.
-fn read_about(folder: &Path, found: &mut Problems) -> Result<(About, Source), Problem> {
+fn read_about(
+    folder: &Path,
+    texts: &dyn Texts,
+    found: &mut Problems,
+) -> Result<(About, Source), Problem> {
     let path = folder.join("study.toml");
-    if !path.exists() {
+    if !texts.exists(&path) {
         return Err(Problem::new(
             "no-study",
             format!("not a study: {} does not exist", path.display()),
         )
         .remedy("make a study with `corroborate init FOLDER`"));
     }
-    let source = host::files::read_source(&path)?;
+    let source = texts.text(&path)?;
     let mut own = Problems::new();
     let about: Option<About> = toml_text::read_on(&source, &mut own);
     let mut about = about.unwrap_or_else(About::unread);

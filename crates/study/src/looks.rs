@@ -13,7 +13,7 @@
 //! A study whose sample sizes were fixed before the first trial says `sample_sizes = "fixed"` in `study.toml`: then
 //! nothing is recorded, and each test has its whole level at the only look.
 
-use super::{About, SampleSizes};
+use super::{About, SampleSizes, Texts};
 use crate::placed::toml_place;
 use diagnostic::Problem;
 use evidence::{Look, LookedAt, Looks, adds_up};
@@ -25,13 +25,13 @@ use std::path::Path;
 pub const LOOKS: &str = "looks.toml";
 
 /// The looks recorded in a study's folder; `None` if its sample sizes are fixed.
-pub fn load(folder: &Path, about: &About) -> Result<Option<Looks>, Problem> {
+pub fn load(folder: &Path, texts: &dyn Texts, about: &About) -> Result<Option<Looks>, Problem> {
     let path = folder.join(LOOKS);
     let is_fixed = about.sample_sizes == SampleSizes::Fixed;
-    if !path.exists() {
+    if !texts.exists(&path) {
         return Ok((!is_fixed).then(Looks::default));
     }
-    let source = host::files::read_source(&path)?;
+    let source = texts.text(&path)?;
     if is_fixed {
         return Err(Problem::new(
             "looks-of-fixed-sizes",

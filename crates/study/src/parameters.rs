@@ -4,6 +4,7 @@
 //! vocabulary and hand-written formulas use the names, so that a changed
 //! number changes everywhere.
 
+use crate::Texts;
 use diagnostic::{Problem, Problems};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -52,12 +53,12 @@ pub(crate) fn schema() -> schemars::Schema {
 
 impl StudyParameters {
     /// Reads `parameters.toml`, if there is one. Mistakes are added to those that were found, and what has one gets no value.
-    pub fn load(folder: &Path, found: &mut Problems) -> Self {
+    pub fn load(folder: &Path, texts: &dyn Texts, found: &mut Problems) -> Self {
         let path = folder.join(FILE);
-        if !path.exists() {
+        if !texts.exists(&path) {
             return Self::default();
         }
-        let Some(source) = found.keep(host::files::read_source(&path)) else {
+        let Some(source) = found.keep(texts.text(&path)) else {
             found.lose_names();
             return Self::default();
         };
@@ -113,7 +114,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join(FILE), text).expect("written");
         let mut found = Problems::new();
-        let parameters = StudyParameters::load(folder.path(), &mut found);
+        let parameters = StudyParameters::load(folder.path(), &crate::Saved, &mut found);
         found.or(parameters)
     }
 
@@ -136,7 +137,7 @@ mod tests {
     #[test]
     fn a_study_without_the_file_has_none() {
         let folder = tempfile::tempdir().expect("a folder");
-        let parameters = StudyParameters::load(folder.path(), &mut Problems::new());
+        let parameters = StudyParameters::load(folder.path(), &crate::Saved, &mut Problems::new());
         assert!(parameters.declared.is_empty());
     }
 }

@@ -1,7 +1,7 @@
 //! The vocabulary: each proposition once, with what it means to each
 //! technique.
 
-use super::StudyParameters;
+use super::{StudyParameters, Texts};
 use crate::placed::toml_place;
 use diagnostic::{Problem, Problems, Source, did_you_mean};
 use schemars::JsonSchema;
@@ -74,14 +74,17 @@ pub(crate) fn schema() -> schemars::Schema {
 impl Vocabulary {
     /// Reads `vocabulary.toml`; its predicates may use the parameters. Mistakes are added to those that were found, and a
     /// predicate that has one is replaced.
-    pub fn load(folder: &Path, parameters: &StudyParameters, found: &mut Problems) -> Self {
+    pub fn load(
+        folder: &Path,
+        texts: &dyn Texts,
+        parameters: &StudyParameters,
+        found: &mut Problems,
+    ) -> Self {
         let path = folder.join("vocabulary.toml");
-        let source = found
-            .keep(host::files::read_source(&path))
-            .unwrap_or_else(|| {
-                found.lose_names();
-                Source::new(path.display().to_string(), "")
-            });
+        let source = found.keep(texts.text(&path)).unwrap_or_else(|| {
+            found.lose_names();
+            Source::new(path.display().to_string(), "")
+        });
         let texts = crate::toml_text::read_on(&source, found);
         let texts: BTreeMap<String, PropositionText> = texts.unwrap_or_default();
         let propositions: BTreeMap<String, Proposition> = texts

@@ -11,7 +11,7 @@ use support::source::{
 use support::{files_below, metadata, read, root, shown};
 
 /// Every crate, its floor, and which of our crates it may use.
-const CRATES: [(&str, u8, &[&str]); 28] = [
+const CRATES: [(&str, u8, &[&str]); 29] = [
     ("diagnostic", 0, &[]),
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
@@ -49,6 +49,17 @@ const CRATES: [(&str, u8, &[&str]); 28] = [
             "trace",
             "checker",
             "evidence",
+        ],
+    ),
+    (
+        "language-server",
+        2,
+        &[
+            "diagnostic",
+            "host",
+            "prism-lang",
+            "requirement-lang",
+            "study",
         ],
     ),
     (
@@ -148,6 +159,7 @@ const CRATES: [(&str, u8, &[&str]); 28] = [
             "host",
             "study",
             "judging",
+            "language-server",
             "query",
             "rig",
             "prism-lang",
@@ -189,7 +201,9 @@ const CRATES: [(&str, u8, &[&str]); 28] = [
 ];
 
 /// Things of the outside world, each with the one crate that may name it.
-const OUTSIDE: [(&str, &str); 17] = [
+const OUTSIDE: [(&str, &str); 19] = [
+    ("lsp-server", "language-server"),
+    ("ls-types", "language-server"),
     ("libloading", "testbench"),
     ("rapier3d-f64", "testbench"),
     ("mcap", "recording"),
@@ -232,11 +246,12 @@ const ABSENT_BELOW_FLOOR_2: [&str; 14] = [
 const AS_PURE_AS_ENGINES: [&str; 1] = ["handover"];
 
 /// The crates that may name the file system.
-const MAY_USE_FILES: [&str; 8] = [
+const MAY_USE_FILES: [&str; 9] = [
     "trace",
     "recording",
     "host",
     "study",
+    "language-server",
     "judging",
     "rig",
     "corroborate",

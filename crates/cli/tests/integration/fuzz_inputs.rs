@@ -139,6 +139,11 @@ fn topic_maps() {
 }
 
 #[test]
+fn texts_of_editors() {
+    replay("editor", targets::editor);
+}
+
+#[test]
 fn descriptions_of_robots() {
     replay("robot", targets::robot);
 }

@@ -33,6 +33,7 @@ mod fuzz_inputs;
 mod init;
 mod lacking_signals;
 mod language;
+mod language_server;
 mod licences;
 mod limits_of_time;
 mod one_person;

@@ -16,6 +16,10 @@ const MOST_RENAMED: usize = 10_000_000;
 /// changes nothing.
 fn words(modules: &[ast::Module], formulas: &[ast::Formula]) -> BTreeSet<String> {
     let is_written = |module: &&ast::Module| matches!(module.body, ModuleBody::Written { .. });
+    // Without copies nobody asks, and a large model has many words.
+    if modules.iter().all(|module| is_written(&module)) {
+        return BTreeSet::new();
+    }
     let texts = modules.iter().filter(is_written).map(ToString::to_string);
     let texts = texts.chain(formulas.iter().map(ToString::to_string));
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';

@@ -1,7 +1,7 @@
 //! Reads `ledger.toml` and holds it against the rest of the study.
 
 use super::{Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, UntilText, Work};
-use crate::{About, Forms};
+use crate::{About, Forms, Texts};
 use diagnostic::{Problem, Problems, Source, did_you_mean};
 use evidence::{Calibration, Subject};
 use schemars::JsonSchema;
@@ -224,15 +224,15 @@ pub(crate) fn schema() -> schemars::Schema {
 /// Reads `ledger.toml`, if there is one, and checks it against the rest of the
 /// study. Mistakes are added to those that were found; an entry whose work cannot be told is left out.
 pub fn load(
-    folder: &Path,
+    (folder, texts): (&Path, &dyn Texts),
     about: &About,
     forms: &Forms,
     found: &mut Problems,
 ) -> (Vec<Entry>, Source) {
     let path = folder.join("ledger.toml");
     let empty = || Source::new(path.display().to_string(), "");
-    let source = if path.exists() {
-        let source = found.keep(host::files::read_source(&path));
+    let source = if texts.exists(&path) {
+        let source = found.keep(texts.text(&path));
         source.unwrap_or_else(empty)
     } else {
         empty()

@@ -6,7 +6,7 @@ use super::stated::other_rate;
 use super::{FormText, Forms, ReadingForm, SubjectForm, TriggerForm};
 use crate::judging_form::{JudgingForm, JudgingText, Rule};
 use crate::sentence_form::{SentenceForm, SentenceReader};
-use crate::{About, StudyParameters, Vocabulary};
+use crate::{About, StudyParameters, Texts, Vocabulary};
 use diagnostic::{Problem, Problems, Source, did_you_mean};
 use evidence::{DEFAULT_MARGIN, FailureMode, Requirement, Step, Subject};
 use schemars::JsonSchema;
@@ -171,14 +171,14 @@ pub(crate) fn schema() -> schemars::Schema {
 /// Reads `requirements.toml` and checks it against the vocabulary. Mistakes are added to those that were found; a form that has
 /// one is left out.
 pub fn load(
-    folder: &Path,
+    (folder, texts): (&Path, &dyn Texts),
     vocabulary: &Vocabulary,
     parameters: &StudyParameters,
     about: &About,
     found: &mut Problems,
 ) -> (Vec<Requirement>, Vec<FailureMode>, Forms) {
     let path = folder.join("requirements.toml");
-    let source = host::files::read_source(&path);
+    let source = texts.text(&path);
     let source = found.keep(source);
     let file: Option<File> = source
         .as_ref()

@@ -41,8 +41,9 @@ fn host() -> String {
 
 /// All files below `folder`, sorted, without what the project does not keep (builds, tools, results).
 pub fn files_below(folder: &Path) -> Vec<PathBuf> {
-    const NOT_KEPT: [&str; 6] = [
+    const NOT_KEPT: [&str; 7] = [
         "target",
+        "node_modules",
         ".git",
         ".tools",
         ".corroborate",
