@@ -30,7 +30,9 @@ pub use explore::Explore;
 pub use format::FormatFiles;
 pub use peers::with_peers_spelling;
 pub use rare::{Calibrate, Rare};
-pub use recordings::{EndingChoice, Inspect, Monitor, Requirements, TimeChoice};
+pub use recordings::{
+    EndingChoice, Exchange, Exchanged, Inspect, Monitor, Requirements, TakeChoice, TimeChoice,
+};
 pub use refine::{Refine, WhatIf};
 pub use replay::{Replay, Shrink};
 pub use shell::{Completions, Doctor, Man};

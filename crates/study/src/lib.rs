@@ -34,7 +34,7 @@ pub use ledger::{
 };
 pub use parameters::StudyParameters;
 pub use requirements::{
-    FormText, Forms, ReadingForm, SubjectForm, TriggerForm, quoted_names, text_in_words,
+    Background, FormText, Forms, ReadingForm, SubjectForm, TriggerForm, quoted_names, text_in_words,
 };
 pub use sentence_form::SentenceForm;
 pub use toml_text::{place_of_unknown, read as read_toml, read_as};
