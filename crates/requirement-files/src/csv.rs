@@ -265,14 +265,14 @@ pub(crate) fn read(source: Source, columns: &Columns) -> Result<Document, Proble
         }
         if without_id > 0 {
             notes.push(format!(
-                "{} without an id stay in the file.",
+                "Kept in the file: {} without an id.",
                 counted(without_id, "row")
             ));
         }
         let other = width.saturating_sub(layout.fields.len() + 1);
         if other > 0 {
             notes.push(format!(
-                "{} of other contents stay in the file.",
+                "Kept in the file: {} of other contents.",
                 counted(other, "column")
             ));
         }

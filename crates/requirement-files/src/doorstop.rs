@@ -202,13 +202,13 @@ pub(crate) fn read(sources: Vec<Source>, columns: &Columns) -> Result<Document, 
     let mut notes = Vec::new();
     if idle > 0 {
         notes.push(format!(
-            "{} that are not active or not normative stay in their files.",
+            "Kept in the folder: {} that are not active or not normative.",
             counted(idle, "item")
         ));
     }
     if others > 0 {
         notes.push(format!(
-            "{} whose names are no ids of this folder stay as they are.",
+            "Kept in the folder: {} whose names do not fit its ids.",
             counted(others, "file")
         ));
     }

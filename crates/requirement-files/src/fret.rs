@@ -208,7 +208,7 @@ pub(crate) fn read(source: Source, columns: &Columns) -> Result<Document, Proble
                 && !variables.is_empty()
             {
                 notes.push(format!(
-                    "{} of FRET stay in the file.",
+                    "Kept in the file: {} of FRET.",
                     diagnostic::counted(variables.len(), "variable")
                 ));
             }

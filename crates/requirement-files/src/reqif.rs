@@ -311,7 +311,7 @@ pub(super) fn of_sources(
     let objects: usize = contents.iter().map(|content| content.objects.len()).sum();
     if objects > items.len() {
         notes.push(format!(
-            "{} without a text (headings and the like) stay in the file.",
+            "Kept in the file: {} without a text (headings and the like).",
             counted(objects - items.len(), "object")
         ));
     }
@@ -323,7 +323,7 @@ pub(super) fn of_sources(
     let known: usize = items.iter().map(|it: &Placed| it.item.parents.len()).sum();
     if relations > known {
         notes.push(format!(
-            "{} of other types, or of objects without a text, stay in the file.",
+            "Kept in the file: {} of other types, or of objects without a text.",
             counted(relations - known, "relation")
         ));
     }

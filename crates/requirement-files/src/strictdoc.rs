@@ -100,7 +100,7 @@ pub(crate) fn read(source: Source, columns: &Columns) -> Result<Document, Proble
     let mut notes = Vec::new();
     if without_id > 0 {
         notes.push(format!(
-            "{} without a {} stay in the file: give each a {} to take it over.",
+            "Kept in the file: {} without a {} (with a {} it is taken over).",
             counted(without_id, "node"),
             names.id,
             names.id
@@ -108,7 +108,7 @@ pub(crate) fn read(source: Source, columns: &Columns) -> Result<Document, Proble
     }
     if others > 0 {
         notes.push(format!(
-            "{} without a {} stay in the file.",
+            "Kept in the file: {} without a {}.",
             counted(others, "node"),
             names.text
         ));

@@ -11,7 +11,7 @@ use support::source::{
 use support::{files_below, metadata, read, root, shown};
 
 /// Every crate, its floor, and which of our crates it may use.
-const CRATES: [(&str, u8, &[&str]); 28] = [
+const CRATES: [(&str, u8, &[&str]); 29] = [
     ("diagnostic", 0, &[]),
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
@@ -24,6 +24,7 @@ const CRATES: [(&str, u8, &[&str]); 28] = [
     ("fault-tree", 1, &["diagnostic", "stats"]),
     ("recording", 1, &["trace"]),
     ("requirement-lang", 1, &["temporal", "trace"]),
+    ("requirement-files", 1, &["diagnostic", "requirement-lang"]),
     (
         "testbench",
         1,
@@ -132,6 +133,7 @@ const CRATES: [(&str, u8, &[&str]); 28] = [
             "robot-model",
             "live",
             "requirement-lang",
+            "requirement-files",
             "testbench",
             "campaign",
             "fault-tree",
@@ -193,7 +195,7 @@ const OUTSIDE: [(&str, &str); 17] = [
     ("libloading", "testbench"),
     ("rapier3d-f64", "testbench"),
     ("mcap", "recording"),
-    ("saphyr-parser", "recording"),
+    ("zip", "requirement-files"),
     ("rustdds", "live"),
     ("tungstenite", "live"),
     ("clap", "cli"),

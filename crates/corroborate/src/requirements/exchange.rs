@@ -292,7 +292,7 @@ impl<'r> Work<'r> {
             let count = with.count();
             (count > 0).then(|| {
                 format!(
-                    "The {field} of {} stays in the study: {} has no place for it.",
+                    "Kept in the study: the {field} of {}, for which {} has no place.",
                     diagnostic::counted(count, "requirement"),
                     self.place.shown
                 )

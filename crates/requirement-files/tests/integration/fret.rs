@@ -35,7 +35,7 @@ fn a_file_is_read_and_changed_in_place() {
         (first.rationale.as_str(), &first.parents[..]),
         ("People é", &["SYS-1".to_owned()][..])
     );
-    assert_eq!(document.notes, ["1 variable of FRET stay in the file."]);
+    assert_eq!(document.notes, ["Kept in the file: 1 variable of FRET."]);
     every_text_can_be_changed(&document);
 
     let mut new = first;

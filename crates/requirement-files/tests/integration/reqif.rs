@@ -75,7 +75,7 @@ fn objects_are_read_in_the_order_of_the_hierarchy() {
     );
     assert_eq!(
         document.notes,
-        ["1 object without a text (headings and the like) stay in the file."]
+        ["Kept in the file: 1 object without a text (headings and the like)."]
     );
     every_text_can_be_changed(&document);
 }

@@ -90,7 +90,7 @@ fn a_document_of_strictdoc_is_read_and_changed_in_place() {
     assert_eq!(document.items[1].item.text, "Two\nlines");
     assert_eq!(
         document.notes,
-        ["1 node without a UID stay in the file: give each a UID to take it over."]
+        ["Kept in the file: 1 node without a UID (with a UID it is taken over)."]
     );
     every_text_can_be_changed(&document);
 
