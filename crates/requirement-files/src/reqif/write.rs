@@ -224,7 +224,7 @@ impl<'d> Writer<'_, 'd> {
                     .filter_map(|it| it.attribute("LONG-NAME"))
                     .collect();
                 let reason = format!(
-                    "`{name}` is none of the values that the file has: {}",
+                    "its value must be one that the file has ({}), got `{name}`",
                     names.join(", ")
                 );
                 return Err(cannot_write(id, &reason));
