@@ -407,6 +407,11 @@ impl Document {
         let mut found = Vec::new();
         for placed in &self.items {
             let source = &self.sources[placed.source];
+            if placed.item.id.contains(char::is_control) {
+                let message = "an id cannot have line breaks or other control characters";
+                let problem = mistakes::bad(message).at(source, placed.span.clone());
+                found.push(problem.remedy("write it in one line"));
+            }
             let before = seen.insert(placed.item.id.as_str(), placed);
             if let Some(before) = before {
                 let message = format!("the id `{}` is given twice", placed.item.id);

@@ -12,7 +12,7 @@
 //! # Method
 //! All words up to a length that the number of letters allows, short ones first; then drawn ones whose letters stay for as long
 //! as durations last, one more and one less, so that every bound is met from both sides. Letters are all valuations where those
-//! are few, else of every combination of the sentence's parts two valuations. A word that tells them apart is made as short and
+//! are few, else of every combination of the sentence's parts and their operands two valuations. A word that tells them apart is made as short and
 //! as false as it goes.
 //!
 //! # Guarantee
@@ -30,14 +30,14 @@ use requirement_lang::semantics::{Word as SentenceWord, holds};
 use requirement_lang::sentence::{Amount, Sentence};
 
 /// The longest duration in time points.
-pub const LONGEST: usize = 5_000;
+pub const LONGEST: usize = 1_000;
 /// The most comparisons and names.
 const MOST_ATOMS: usize = 60;
 /// How many words of all lengths are tried.
 const ALL_WORDS: usize = 3_000;
 /// How many drawn ones, at most, and steps of work on them.
 const DRAWN_WORDS: usize = 1_500;
-const WORK: usize = 6_000_000;
+const WORK: usize = 60_000_000;
 const MOST_LETTERS: usize = 24;
 
 /// What a comparison came to.
@@ -289,10 +289,17 @@ impl<'s> Setup<'s> {
         }
         let mut draw = Draw(0x5eed);
         let long = 3 * (self.longest + 3) + self.memory.1;
-        let cost = long * (self.longest + 2) * (self.formulas.len() + 1);
-        for _ in 0..(WORK / cost.max(1)).clamp(40, DRAWN_WORDS) {
+        let most = (WORK / (long * long / 4).max(1)).clamp(40, DRAWN_WORDS);
+        let around = self
+            .around_the_bound(&letters)
+            .into_iter()
+            .take(2 * most / 3);
+        let mut words: Vec<Word> = around.collect();
+        while words.len() < most {
+            words.push(self.drawn(&letters, &mut draw));
+        }
+        for word in words {
             tried += 1;
-            let word = self.drawn(&letters, &mut draw);
             if self.differs(&word) {
                 return self.told_apart(word);
             }
@@ -316,29 +323,52 @@ impl<'s> Setup<'s> {
         if count <= 3 {
             return (0..1_u64 << count).collect();
         }
-        let parts = self.sentence.expressions();
+        let parts = self.parts();
         let mut draw = Draw(7);
         let mask = (1_u64 << count) - 1;
         let valuations: Vec<u64> = match count <= 12 {
             true => (0..1_u64 << count).collect(),
-            false => (0..4096).map(|_| draw.next() & mask).collect(),
+            false => (0..4096).map(|at| draw.biased(at) & mask).collect(),
         };
-        let mut chosen: Vec<(Vec<bool>, u64)> = Vec::new();
-        // From both ends, so that two of a kind differ in much.
-        let ends = valuations.iter().zip(valuations.iter().rev());
-        for letter in ends.flat_map(|(one, other)| [*one, *other]) {
-            let key = parts.iter().map(|part| self.now(part, letter)).collect();
-            let same = chosen
-                .iter()
-                .filter(|(known, it)| *known == key || *it == letter);
-            if same.count() < 2 && !chosen.iter().any(|(_, it)| *it == letter) {
-                chosen.push((key, letter));
+        let keyed: Vec<(Vec<bool>, u64)> = valuations
+            .into_iter()
+            .map(|letter| {
+                let key = parts.iter().map(|part| self.now(part, letter));
+                (key.collect(), letter)
+            })
+            .collect();
+        let mut chosen: Vec<&(Vec<bool>, u64)> = Vec::new();
+        // One of each kind, and then another of it, from the other end.
+        let ends: [Box<dyn Iterator<Item = &(Vec<bool>, u64)>>; 2] =
+            [Box::new(keyed.iter()), Box::new(keyed.iter().rev())];
+        for all in ends {
+            let mut taken: Vec<&(Vec<bool>, u64)> = Vec::new();
+            for one in all {
+                if taken.len() < MOST_LETTERS / 2 && taken.iter().all(|it| it.0 != one.0) {
+                    taken.push(one);
+                }
             }
-            if chosen.len() >= MOST_LETTERS {
-                break;
-            }
+            chosen.extend(taken);
         }
-        chosen.into_iter().map(|(_, letter)| letter).collect()
+        let mut letters: Vec<u64> = chosen.into_iter().map(|(_, letter)| *letter).collect();
+        letters.sort_unstable();
+        letters.dedup();
+        letters
+    }
+
+    /// The parts of the sentence, with their operands and the operands of those.
+    fn parts(&self) -> Vec<&Expression> {
+        const MOST: usize = 10;
+        let mut parts = self.sentence.expressions();
+        let mut from = 0;
+        for _ in 0..2 {
+            let deeper: Vec<&Expression> =
+                parts[from..].iter().flat_map(|it| it.operands()).collect();
+            from = parts.len();
+            parts.extend(deeper);
+        }
+        parts.truncate(MOST);
+        parts
     }
 
     /// The truth of a part of the sentence in a word of one letter.
@@ -353,6 +383,31 @@ impl<'s> Setup<'s> {
         })
     }
 
+    /// Words in which one letter stays for just about as long as the longest duration, and another follows.
+    fn around_the_bound(&self, letters: &[u64]) -> Vec<Word> {
+        let d = self.longest;
+        let mut words = Vec::new();
+        if d < 2 {
+            return words;
+        }
+        for stay in [d + 1, d, d + 2, d - 1] {
+            for one in letters.iter().take(12) {
+                for other in letters.iter().rev().take(12).filter(|it| *it != one) {
+                    let mut word = vec![*one; stay];
+                    word.push(*other);
+                    words.push(Word {
+                        repeats_from: (!self.ends).then_some(word.len() - 1),
+                        letters: word,
+                    });
+                }
+            }
+        }
+        // Evenly from all, so that the first of them are of all lengths.
+        let step = words.len().div_ceil(97).max(1);
+        let mixed = (0..step).flat_map(|start| (start..words.len()).step_by(step));
+        mixed.map(|at| words[at].clone()).collect()
+    }
+
     fn drawn(&self, letters: &[u64], draw: &mut Draw) -> Word {
         let mask = (1_u64 << self.atoms.texts.len()) - 1;
         let d = self.longest;
@@ -360,7 +415,10 @@ impl<'s> Setup<'s> {
         let mut word = Vec::new();
         for _ in 0..2 + draw.below(5) {
             let letter = match draw.below(3) {
-                0 => draw.next() & mask,
+                0 => {
+                    let bias = draw.below(3);
+                    draw.biased(bias) & mask
+                }
                 _ => letters[draw.below(letters.len())],
             };
             let stay = stays[draw.below(stays.len())].max(1);
@@ -429,6 +487,16 @@ impl Draw {
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         mixed ^ (mixed >> 31)
+    }
+
+    /// Bits of which an eighth, a half or seven eighths are set, in turn.
+    fn biased(&mut self, at: usize) -> u64 {
+        let [one, two, three] = [self.next(), self.next(), self.next()];
+        match at % 3 {
+            0 => one & two & three,
+            1 => one,
+            _ => one | two | three,
+        }
     }
 
     fn below(&mut self, count: usize) -> usize {

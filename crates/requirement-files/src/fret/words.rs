@@ -14,7 +14,7 @@
 //! against time.
 //!
 //! # Cost
-//! Positions times operators, times the bound of bounded ones.
+//! Positions times operators, times the bound of those that begin later than now.
 
 use super::expression::{Bound, Expr};
 
@@ -253,6 +253,20 @@ fn until(word: &Word, bound: Bound, left: &[bool], right: &[bool]) -> Vec<bool> 
         }
         return values;
     };
+    if from == 0 {
+        let mut steps = vec![u64::MAX; length];
+        for _ in 0..2 {
+            for at in (0..length).rev() {
+                let later = word.next(at).map_or(u64::MAX, |next| steps[next]);
+                steps[at] = match (right[at], left[at]) {
+                    (true, _) => 0,
+                    (false, true) => later.saturating_add(1),
+                    (false, false) => u64::MAX,
+                };
+            }
+        }
+        return steps.into_iter().map(|it| it <= u64::from(to)).collect();
+    }
     let at_position = |start: usize| {
         let mut at = start;
         for step in 0..=to {
@@ -271,6 +285,19 @@ fn until(word: &Word, bound: Bound, left: &[bool], right: &[bool]) -> Vec<bool> 
 
 fn since(length: usize, bound: Bound, left: &[bool], right: &[bool]) -> Vec<bool> {
     let (from, to) = bound.map_or((0, usize::MAX), |(from, to)| (from as usize, to as usize));
+    if from == 0 {
+        let mut before = usize::MAX;
+        let steps = (0..length).map(|at| {
+            before = match (right[at], left[at]) {
+                (true, _) => 0,
+                (false, true) => before.saturating_add(1),
+                (false, false) => usize::MAX,
+            };
+            before
+        });
+        // As many steps as there can be are none.
+        return steps.map(|it| it <= to && it < usize::MAX).collect();
+    }
     let at_position = |start: usize| {
         let mut at = start;
         for step in 0..=to {

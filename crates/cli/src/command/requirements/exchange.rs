@@ -54,7 +54,16 @@ fn request(arguments: &Exchanged) -> ExchangeRequest {
     }
 }
 
+/// The text, in which nothing that a file says is a control character of a terminal.
 fn text(report: &ExchangeReport) -> String {
+    let plain = |letter: char| match letter.is_control() && letter != '\n' {
+        true => '\u{fffd}',
+        false => letter,
+    };
+    lines(report).chars().map(plain).collect()
+}
+
+fn lines(report: &ExchangeReport) -> String {
     let mut out = String::new();
     let is_import = report.direction == "import";
     let (target, other) = match is_import {
