@@ -214,7 +214,7 @@ fn nodes(source: &Source, mistakes: &mut Mistakes<'_>) -> Vec<Node> {
     let first = lines
         .iter()
         .find(|line| !line.text.trim_matches('\u{feff}').is_empty());
-    if !first.is_some_and(|line| line.text.trim_start_matches('\u{feff}') == "[DOCUMENT]") {
+    if first.is_none_or(|line| line.text.trim_start_matches('\u{feff}') != "[DOCUMENT]") {
         let at = first.map_or(0, |line| line.start);
         mistakes.add(
             at..at + 1,
@@ -491,11 +491,11 @@ fn node_of(
     end: &str,
 ) -> Result<String, Problem> {
     // As most of the document's nodes are called.
-    let kinds = nodes
+    let mut kinds = nodes
         .iter()
         .filter(|node| node.is_requirement() && node.part(&names.id).is_some());
     let kind = kinds
-        .last()
+        .next_back()
         .map_or("REQUIREMENT", |node| node.kind.as_str());
     let mut node = format!("{end}[{kind}]{end}{}: {}{end}", names.id, item.id);
     let mut field = |field: Field| -> Result<(), Problem> {

@@ -330,27 +330,13 @@ impl<'s> Setup<'s> {
             true => (0..1_u64 << count).collect(),
             false => (0..4096).map(|at| draw.biased(at) & mask).collect(),
         };
-        let keyed: Vec<(Vec<bool>, u64)> = valuations
-            .into_iter()
-            .map(|letter| {
-                let key = parts.iter().map(|part| self.now(part, letter));
-                (key.collect(), letter)
-            })
-            .collect();
-        let mut chosen: Vec<&(Vec<bool>, u64)> = Vec::new();
+        let key = |letter: u64| -> Vec<bool> {
+            let truths = parts.iter().map(|part| self.now(part, letter));
+            truths.collect()
+        };
         // One of each kind, and then another of it, from the other end.
-        let ends: [Box<dyn Iterator<Item = &(Vec<bool>, u64)>>; 2] =
-            [Box::new(keyed.iter()), Box::new(keyed.iter().rev())];
-        for all in ends {
-            let mut taken: Vec<&(Vec<bool>, u64)> = Vec::new();
-            for one in all {
-                if taken.len() < MOST_LETTERS / 2 && taken.iter().all(|it| it.0 != one.0) {
-                    taken.push(one);
-                }
-            }
-            chosen.extend(taken);
-        }
-        let mut letters: Vec<u64> = chosen.into_iter().map(|(_, letter)| *letter).collect();
+        let mut letters = first_of_each(valuations.iter().copied(), &key);
+        letters.extend(first_of_each(valuations.iter().rev().copied(), &key));
         letters.sort_unstable();
         letters.dedup();
         letters
@@ -473,6 +459,23 @@ impl<'s> Setup<'s> {
             formula_name,
         }))
     }
+}
+
+/// The first letter of each kind, as far as there is room.
+fn first_of_each(letters: impl Iterator<Item = u64>, kind: &dyn Fn(u64) -> Vec<bool>) -> Vec<u64> {
+    let mut seen: Vec<Vec<bool>> = Vec::new();
+    let mut chosen = Vec::new();
+    for letter in letters {
+        if chosen.len() >= MOST_LETTERS / 2 {
+            break;
+        }
+        let kind = kind(letter);
+        if !seen.contains(&kind) {
+            seen.push(kind);
+            chosen.push(letter);
+        }
+    }
+    chosen
 }
 
 /// Drawn numbers, the same every time.

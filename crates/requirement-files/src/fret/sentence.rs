@@ -110,10 +110,8 @@ impl<'t> Work<'t> {
     }
 
     fn take_all(&mut self, words: &[&str]) -> bool {
-        let all = words.iter().enumerate();
-        let found = all
-            .map(|(by, word)| self.ahead(by).is_some_and(|token| token.is(word)))
-            .all(|it| it);
+        let mut all = words.iter().enumerate();
+        let found = all.all(|(by, word)| self.ahead(by).is_some_and(|token| token.is(word)));
         if found {
             self.reader.next += words.len();
         }
