@@ -162,9 +162,12 @@ fn json(source: &Source, start: usize, text: &str) -> Result<Value, Problem> {
             .map(str::len)
             .sum();
         let at = (start + before + error.column().saturating_sub(1)).min(source.text.len());
-        Problem::new("bad-evaluation", format!("the JSON cannot be read: {error}"))
-            .at(source, at..at)
-            .remedy("check that the evaluation was written to its end")
+        Problem::new(
+            "bad-evaluation",
+            format!("the JSON cannot be read: {error}"),
+        )
+        .at(source, at..at)
+        .remedy("check that the evaluation was written to its end")
     })
 }
 
@@ -197,8 +200,17 @@ fn evaluation(source: &Source, checkpoint: &str) -> Result<Vec<Episode>, Problem
         return one_evaluation(source, &root, checkpoint);
     }
     let mut episodes = Vec::new();
-    for (name, inner) in root.as_object().into_iter().flatten().filter(|(_, it)| is_one(it)) {
-        episodes.extend(one_evaluation(source, inner, &format!("{checkpoint}/{name}"))?);
+    for (name, inner) in root
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter(|(_, it)| is_one(it))
+    {
+        episodes.extend(one_evaluation(
+            source,
+            inner,
+            &format!("{checkpoint}/{name}"),
+        )?);
     }
     match episodes.is_empty() {
         false => Ok(episodes),
@@ -211,7 +223,11 @@ fn evaluation(source: &Source, checkpoint: &str) -> Result<Vec<Episode>, Problem
     }
 }
 
-fn one_evaluation(source: &Source, root: &Value, checkpoint: &str) -> Result<Vec<Episode>, Problem> {
+fn one_evaluation(
+    source: &Source,
+    root: &Value,
+    checkpoint: &str,
+) -> Result<Vec<Episode>, Problem> {
     let mut episodes = Vec::new();
     let mut add = |task: Option<String>, seed: Option<String>, success: bool| {
         episodes.push(Episode {
@@ -231,7 +247,12 @@ fn one_evaluation(source: &Source, root: &Value, checkpoint: &str) -> Result<Vec
         held_against(source, root.get("aggregated"), &episodes)?;
         return Ok(episodes);
     }
-    for task in root.get("per_task").and_then(Value::as_array).into_iter().flatten() {
+    for task in root
+        .get("per_task")
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten()
+    {
         let part = |key: &str| match task.get(key) {
             Some(Value::String(text)) => text.clone(),
             Some(other) => other.to_string(),
@@ -241,7 +262,9 @@ fn one_evaluation(source: &Source, root: &Value, checkpoint: &str) -> Result<Vec
         let successes = task.get("metrics").and_then(|it| it.get("successes"));
         let Some(Value::Array(successes)) = successes else {
             let message = format!("the task {name} has no `metrics.successes`");
-            return Err(bad(source, "per_task", message).remedy("write the evaluation anew with LeRobot"));
+            return Err(
+                bad(source, "per_task", message).remedy("write the evaluation anew with LeRobot")
+            );
         };
         for (at, one) in successes.iter().enumerate() {
             let won = success(source, Some(one), &format!("episode {at} of {name}"))?;
