@@ -161,7 +161,7 @@ pub fn export_requirements(
     report.notes.extend(work.left_out(&merged));
     report
         .notes
-        .extend(files::stale_formulas(&work.document, &merged));
+        .extend(files::lost_with_texts(&work.document, &merged));
     for file in files {
         let path = work.place.of(&file.name);
         report.written.push(path.display().to_string());

@@ -130,20 +130,21 @@ fn folder(path: &Path) -> Result<Vec<File>, Problem> {
     Ok(files)
 }
 
-/// What is said where FRET's formulas were those of a text that was replaced.
-pub(super) fn stale_formulas(document: &Document, merged: &Merged) -> Vec<String> {
-    if document.format != Format::Fret {
-        return Vec::new();
+/// What a text that was replaced loses in the file, since it belonged to the old one.
+pub(super) fn lost_with_texts(document: &Document, merged: &Merged) -> Vec<String> {
+    let texts = merged.changed.iter().filter(|it| it.field == "text");
+    match document.format {
+        Format::Fret => {
+            let has_formulas = |id: &str| document.item(id).is_some_and(|it| it.formulas.is_some());
+            let note = |id: &str| {
+                format!("{id}: FRET's formulas were those of the old sentence, and are taken out: open it in FRET, and save it.")
+            };
+            texts.filter(|it| has_formulas(&it.id)).map(|it| note(&it.id)).collect()
+        }
+        Format::ReqIf | Format::ReqIfArchive => {
+            let note = |id: &str| format!("{id}: the new text is plain; formatting that the old one had in the file is gone.");
+            texts.map(|it| note(&it.id)).collect()
+        }
+        _ => Vec::new(),
     }
-    let is_stale = |id: &str| document.item(id).is_some_and(|it| it.formulas.is_some());
-    let texts = merged
-        .changed
-        .iter()
-        .filter(|it| it.field == "text" && is_stale(&it.id));
-    let note = |id: &str| {
-        format!(
-            "{id}: FRET's formulas were those of the old sentence, and are taken out: open it in FRET, and save it."
-        )
-    };
-    texts.map(|it| note(&it.id)).collect()
 }
