@@ -443,3 +443,63 @@ pub fn robot(bytes: &[u8]) {
     };
     assert_eq!(named(&again.model), named(model));
 }
+
+/// Longer sentences are not compared with their formulas, so that an input takes no longer than others.
+const LONG_SENTENCE: usize = 300;
+
+/// Reads requirements in every format; what is read can be changed, and what is written can be read again.
+pub fn requirements(bytes: &[u8]) {
+    use requirement_files::{Change, Columns, Document, Field, File, Format, Item, fret};
+    let file = |name: &str, bytes: &[u8]| File {
+        name: name.to_owned(),
+        bytes: bytes.to_vec(),
+    };
+    let settings = file(
+        ".doorstop.yml",
+        b"settings:\n  digits: 3\n  prefix: REQ\n  sep: ''\n",
+    );
+    for format in Format::ALL {
+        let files = match format {
+            Format::Doorstop => vec![
+                settings.clone(),
+                file("REQ001.yml", bytes),
+                file("REQ002.md", bytes),
+            ],
+            _ => vec![file("x", bytes)],
+        };
+        let document = match Document::read(format, &files, &Columns::default()) {
+            Ok(document) => document,
+            Err(problem) => {
+                assert!(!problem.message().is_empty(), "refused without a reason");
+                continue;
+            }
+        };
+        for placed in &document.items {
+            let text = &document.sources[placed.source].text;
+            assert!(
+                text.get(placed.span.clone()).is_some(),
+                "a place lies outside: {format:?}"
+            );
+        }
+        let Some(first) = document.items.first() else {
+            continue;
+        };
+        let mut item = first.item.clone();
+        item.text.push_str(" & <more>");
+        let new = Item {
+            id: "REQ999".to_owned(),
+            text: "New".to_owned(),
+            ..Item::default()
+        };
+        // What cannot be written is refused; `with` itself reads what it gives.
+        let _ = document.with(&[Change::Set(item, vec![Field::Text]), Change::Add(new)]);
+        if let (Ok(read), Some(formulas)) = (fret::translated(&first.item.text), &first.formulas)
+            && first.item.text.len() < LONG_SENTENCE
+        {
+            let meaning = fret::compare(&read.sentence, formulas, Some(&read), None);
+            if let fret::Comparison::Differs(trace) = meaning.runs {
+                assert_ne!(trace.sentence, trace.formula, "a word that shows nothing");
+            }
+        }
+    }
+}

@@ -32,7 +32,9 @@ pub use format::FormatFiles;
 pub use language_server::LanguageServer;
 pub use peers::with_peers_spelling;
 pub use rare::{Calibrate, Rare};
-pub use recordings::{EndingChoice, Inspect, Monitor, Requirements, TimeChoice};
+pub use recordings::{
+    EndingChoice, Exchange, Exchanged, Inspect, Monitor, Requirements, TakeChoice, TimeChoice,
+};
 pub use refine::{Refine, WhatIf};
 pub use replay::{Replay, Shrink};
 pub use shell::{Completions, Doctor, Man};

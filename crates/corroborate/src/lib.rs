@@ -15,6 +15,7 @@
 //! | check that every figure follows from its evidence | [`verify()`] |
 //! | write its assurance case, with statements that others sign | [`assure()`] |
 //! | see each requirement in all its forms, and where they drifted apart | [`requirements()`]; ready ones [`requirements::library`] |
+//! | keep requirements the same in FRET, ReqIF, StrictDoc, Doorstop and CSV | [`import_requirements()`], [`export_requirements()`] |
 //! | check properties of one model | [`check()`] |
 //! | judge recordings, by a study's monitors or by formulas | [`monitor()`] |
 //! | look for what nobody has thought of; stop and go on | [`explore()`] |
@@ -101,6 +102,9 @@ pub use query::{CheckReport, CheckRequest, check};
 pub use rare::{RareReport, RareRequest, rare};
 pub use refine::{RefineRequest, Refined, refine};
 pub use replay::{ReplayReport, ReplayRequest, replay};
+pub use requirements::exchange::{
+    ExchangeReport, ExchangeRequest, export_requirements, import_requirements,
+};
 pub use requirements::{RequirementsReport, RequirementsRequest, requirements};
 pub use run::{EvidenceReport, RunReport, RunRequest, run, run_with_page};
 pub use shrink::{ShrinkReport, ShrinkRequest, shrink};

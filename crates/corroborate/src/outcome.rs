@@ -1,10 +1,11 @@
 //! What was found, as an exit code for scripts and CI: for each kind of report the rule by which it ends.
 
 use crate::corroboration;
+use crate::requirements::exchange::Verdict;
 use crate::technique::exploration::ExplorationReport;
 use crate::{
-    CompareReport, EnginesReport, RareReport, ReplayReport, RequirementsReport, VerifyReport,
-    replay::RegressionsReport,
+    CompareReport, EnginesReport, ExchangeReport, RareReport, ReplayReport, RequirementsReport,
+    VerifyReport, replay::RegressionsReport,
 };
 use evidence::{
     CalibrationReport, Diagnosis, DisagreementMap, Likeness, SearchEnd, Stopped, StudyResult,
@@ -118,6 +119,18 @@ impl Ended for RequirementsReport {
         first(&[
             (is_apart, Outcome::Violated),
             (!self.lost.is_empty(), Outcome::DataLost),
+        ])
+    }
+}
+
+/// Whether both sides were edited, or a sentence of the study means something else than FRET's formulas.
+impl Ended for ExchangeReport {
+    fn outcome(&self) -> Outcome {
+        let mut sentences = self.sentences.iter().filter_map(|it| it.own_runs.as_ref());
+        let is_apart = sentences.any(|it| it.verdict == Verdict::Differs);
+        first(&[
+            (!self.conflicts.is_empty(), Outcome::Inconclusive),
+            (is_apart, Outcome::Violated),
         ])
     }
 }

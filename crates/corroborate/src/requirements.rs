@@ -1,6 +1,7 @@
 //! Each requirement in all its forms, where they drifted apart, and the recordings on which they do not agree; and the
 //! library of ready requirements.
 
+pub mod exchange;
 mod library;
 
 pub use library::{LibraryReport, NeedShown, ParameterShown, TemplateShown, library};
@@ -79,6 +80,18 @@ pub struct RequirementForms {
     pub id: String,
     /// Its text, verbatim.
     pub text: String,
+    /// Why it is asked for, if that is said.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    #[schemars(default)]
+    pub rationale: String,
+    /// How far it is, in the words of the tool that manages requirements.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    #[schemars(default)]
+    pub status: String,
+    /// The ids of the requirements that it was derived from.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(default)]
+    pub parents: Vec<String>,
     /// The requirement whose forms it has, if it differs in its threshold only.
     pub same_quantity_as: Option<String>,
     /// The sentence in structured English.
@@ -222,6 +235,9 @@ fn forms_shown(study: &Study, form: &SubjectForm) -> Option<RequirementForms> {
     let mut shown = RequirementForms {
         id: id.clone(),
         text: requirement.text.clone(),
+        rationale: form.background.rationale.clone(),
+        status: form.background.status.clone(),
+        parents: form.background.parents.clone(),
         parameters: form
             .parameters
             .iter()

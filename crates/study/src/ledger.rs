@@ -274,6 +274,12 @@ pub enum Work {
         /// JUnit XML of runs: a folder or a file.
         #[serde(skip_serializing_if = "Option::is_none")]
         junit: Option<PathBuf>,
+        /// Episodes of a learned policy: a file or a folder.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        episodes: Option<PathBuf>,
+        /// What makes episodes alike.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        cluster: Option<String>,
         /// By requirement the test that verifies it.
         #[serde(skip_serializing_if = "BTreeMap::is_empty")]
         tests: BTreeMap<String, String>,

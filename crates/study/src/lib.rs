@@ -35,7 +35,7 @@ pub use ledger::{
 };
 pub use parameters::StudyParameters;
 pub use requirements::{
-    FormText, Forms, ReadingForm, SubjectForm, TriggerForm, quoted_names, text_in_words,
+    Background, FormText, Forms, ReadingForm, SubjectForm, TriggerForm, quoted_names, text_in_words,
 };
 pub use sentence_form::SentenceForm;
 pub use texts::{Saved, Texts};

@@ -75,6 +75,17 @@ impl Forms {
     }
 }
 
+/// Where a requirement comes from, as the tool that manages requirements has it. Nothing is judged by it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Background {
+    /// Why it is asked for.
+    pub rationale: String,
+    /// How far it is.
+    pub status: String,
+    /// The ids of the requirements that it was derived from.
+    pub parents: Vec<String>,
+}
+
 /// How one subject is judged by each technique.
 #[derive(Clone, Debug)]
 pub struct SubjectForm {
@@ -108,6 +119,8 @@ pub struct SubjectForm {
     pub experiment: Option<String>,
     /// The places of the declarations of what carries over to it.
     pub carried_at: Vec<Range<usize>>,
+    /// Where it comes from.
+    pub background: Background,
     /// That its text states another rate than its threshold.
     other_rate: Option<Problem>,
     /// That its text states another time than its sentence.

@@ -1,7 +1,7 @@
 //! The arguments of commands that read recordings, and how recordings are opened.
 
 use super::Format;
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use recording::{OpenOptions, TimeSource};
 use std::path::PathBuf;
 
@@ -183,16 +183,22 @@ pub struct Inspect {
 
 /// Arguments of `requirements`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
+#[command(
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    after_help = "\
 Examples:
   corroborate requirements case-studies/handover
   corroborate requirements case-studies/handover recordings
   corroborate requirements --library
+  corroborate requirements import my-study fret-requirements.json
+  corroborate requirements export my-study requirements.reqif
 
 Shows each requirement with its sentence, its property, its monitor, its test
 goals and its coverage bins. Forms that were written by hand are held against
 the declared parameters and, on recordings, against each other. Exits 1 if
-they do not agree.")]
+they do not agree."
+)]
 pub struct Requirements {
     /// The study whose requirements are shown.
     #[arg(required_unless_present = "library")]
@@ -211,6 +217,93 @@ pub struct Requirements {
     /// How the requirements are printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+    /// To or from a file of another tool.
+    #[command(subcommand)]
+    pub exchange: Option<Exchange>,
+}
+
+/// To or from a file of another tool.
+#[derive(Debug, Subcommand)]
+pub enum Exchange {
+    /// Carry requirements over from another tool's file to the study, by id.
+    #[command(after_help = "\
+Examples:
+  corroborate requirements import my-study fret-requirements.json
+  corroborate requirements import my-study requirements.reqif --field text=Description
+  corroborate requirements import my-study doorstop-folder --dry-run
+
+Reads FRET (.json), ReqIF (.reqif, .reqifz), StrictDoc (.sdoc), CSV (.csv, .tsv)
+and folders of Doorstop. What was edited on one side since the last import or
+export is carried over; what was edited on both is a conflict, shown with both
+texts and left alone. Nothing is deleted. Exits 3 if there are conflicts, 1 if a
+sentence of the study means something else than FRET's formulas.")]
+    Import(Exchanged),
+    /// Carry requirements over from the study to another tool's file, by id.
+    #[command(after_help = "\
+Examples:
+  corroborate requirements export my-study requirements.reqif
+  corroborate requirements export my-study requirements.csv --only R1 --only R2
+  corroborate requirements export my-study requirements.sdoc --take study
+
+A file that is there is changed in place: what is not carried over stays byte
+for byte. One that is not is made. Exits as import does.")]
+    Export(Exchanged),
+}
+
+/// Arguments of `requirements import` and `requirements export`.
+#[derive(Debug, Args)]
+pub struct Exchanged {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// The other tool's file, or a folder of Doorstop.
+    pub file: PathBuf,
+    /// What a field is called in the file: `id`, `text`, `rationale`, `status` or `parents`, and the name of its column,
+    /// attribute or type of relations (may be repeated; remembered in the study).
+    #[arg(long, value_name = "FIELD=NAME", value_parser = field)]
+    pub field: Vec<(Option<corroborate::requirements::exchange::Field>, String)>,
+    /// Whose value counts where both sides were edited.
+    #[arg(long, value_enum)]
+    pub take: Option<TakeChoice>,
+    /// Only this requirement (may be repeated).
+    #[arg(long, value_name = "ID")]
+    pub only: Vec<String>,
+    /// Let translated sentences of FRET become the sentences of requirements that are added, where the vocabulary has their
+    /// names; else they stand in a comment.
+    #[arg(long)]
+    pub sentences: bool,
+    /// Write nothing; say what would be written.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// How the report is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Whose value counts where both sides were edited.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum TakeChoice {
+    /// The study's.
+    Study,
+    /// The file's.
+    File,
+}
+
+/// Reads `FIELD=NAME`; no field is the id.
+fn field(
+    text: &str,
+) -> Result<(Option<corroborate::requirements::exchange::Field>, String), String> {
+    use corroborate::requirements::exchange::Field;
+    let (field, name) = text
+        .split_once('=')
+        .filter(|(_, name)| !name.trim().is_empty())
+        .ok_or("must be FIELD=NAME, for example text=Description")?;
+    if field == "id" {
+        return Ok((None, name.to_owned()));
+    }
+    let known = Field::ALL.into_iter().find(|known| known.name() == field);
+    let known =
+        known.ok_or_else(|| format!("`{field}` must be id, text, rationale, status or parents"))?;
+    Ok((Some(known), name.to_owned()))
 }
 
 fn from_zero(text: &str) -> Result<f64, String> {

@@ -2,6 +2,7 @@
 //! drifted apart, and the recordings on which they do not agree; or ready
 //! requirements, as templates.
 
+mod exchange;
 mod library;
 
 use super::{Done, Host, json};
@@ -15,6 +16,9 @@ use std::fmt::Write;
 
 /// Shows requirements and checks their forms against each other, or lists the library.
 pub fn requirements(arguments: &Requirements, setting: &Host) -> Result<Done, Problem> {
+    if let Some(asked) = &arguments.exchange {
+        return exchange::exchange(asked, setting);
+    }
     let Some(folder) = &arguments.study else {
         let report = corroborate::requirements::library();
         return Ok(Done {
@@ -70,6 +74,14 @@ fn requirement_text(out: &mut String, shown: &RequirementForms) {
         let _ = writeln!(out, "  {label:<11} {text}");
     };
     line("text", &shown.text);
+    for (label, text) in [("rationale", &shown.rationale), ("status", &shown.status)] {
+        if !text.is_empty() {
+            line(label, text);
+        }
+    }
+    if !shown.parents.is_empty() {
+        line("parents", &shown.parents.join(", "));
+    }
     if let Some(first) = &shown.same_quantity_as {
         line("forms", &format!("those of {first}"));
         out.push('\n');

@@ -31,6 +31,7 @@ const CRATES: [(&str, u8, &[&str]); 29] = [
     ),
     ("campaign", 1, &["stats", "stimulus"]),
     ("evidence", 2, &["stats"]),
+    ("requirement-files", 2, &["diagnostic", "requirement-lang"]),
     ("refinement", 2, &["prism-lang", "stats", "evidence"]),
     ("live", 2, &["trace", "recording"]),
     ("report", 2, &["evidence"]),
@@ -143,6 +144,7 @@ const CRATES: [(&str, u8, &[&str]); 29] = [
             "robot-model",
             "live",
             "requirement-lang",
+            "requirement-files",
             "testbench",
             "campaign",
             "fault-tree",
@@ -207,7 +209,7 @@ const OUTSIDE: [(&str, &str); 19] = [
     ("libloading", "testbench"),
     ("rapier3d-f64", "testbench"),
     ("mcap", "recording"),
-    ("saphyr-parser", "recording"),
+    ("zip", "requirement-files"),
     ("rustdds", "live"),
     ("tungstenite", "live"),
     ("clap", "cli"),
@@ -243,7 +245,7 @@ const ABSENT_BELOW_FLOOR_2: [&str; 14] = [
 ];
 
 /// Worlds that stand on an engine, so on floor 2, and do without the same, since the same seed gives the same bits there, too.
-const AS_PURE_AS_ENGINES: [&str; 1] = ["handover"];
+const AS_PURE_AS_ENGINES: [&str; 2] = ["handover", "requirement-files"];
 
 /// The crates that may name the file system.
 const MAY_USE_FILES: [&str; 9] = [

@@ -114,6 +114,11 @@ fn tables() {
 }
 
 #[test]
+fn requirements_of_other_tools() {
+    replay("requirements", targets::requirements);
+}
+
+#[test]
 fn foreign_recordings() {
     replay("recording", targets::recording);
 }

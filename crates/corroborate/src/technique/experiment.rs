@@ -8,12 +8,14 @@
 //!   those covered that reached no verdict, and `stopped`, `yes` if the number of trials was chosen by looking at them.
 //! * *failure modes* has the columns mode, occurrences, opportunities.
 //! * JUnit XML of runs, whose test cases are trials (`junit.rs`).
+//! * Episodes of a learned policy, of which a cohort is made (`episodes.rs`).
 //!
 //! Where two tables speak of the same count, they must agree. What is counted only in all, beside a cohort,
 //! was done by the same people: it is worth as many independent trials as they tell.
 
 mod alike;
 mod by_subject;
+mod episodes;
 pub mod groups;
 mod junit;
 mod placed;
@@ -51,6 +53,8 @@ pub struct Tables {
     of_runs: Vec<junit::Counted>,
     /// Why the one subject of the cohort stands for all, where the study declares it.
     one_for_all: Option<String>,
+    /// Of what the episodes of a learned policy speak.
+    speaks_of: Option<String>,
 }
 
 #[derive(Debug)]
@@ -108,7 +112,13 @@ impl Tables {
                 None => Vec::new(),
             },
             one_for_all: files.one_for_all.map(str::to_owned),
+            speaks_of: None,
         };
+        if let Some((path, cluster)) = files.episodes {
+            let read = episodes::read(study, path, cluster, reader)?;
+            tables.cohort = Some(Cohort::new(study, read.cohort)?);
+            tables.speaks_of = Some(read.speaks_of);
+        }
         if let Some(path) = files.junit {
             tables.add_junit(junit::read(study, path, files.tests, reader)?)?;
         }
@@ -163,7 +173,10 @@ impl Tables {
                     WitnessOf::Model | WitnessOf::Simulator => "published counts".into(),
                 },
                 version: String::new(),
-                settings: "counts read from tables".into(),
+                settings: match &self.speaks_of {
+                    Some(speaks_of) => speaks_of.clone(),
+                    None => "counts read from tables".into(),
+                },
             },
             findings,
             form_differences: Vec::new(),
@@ -424,6 +437,9 @@ impl Tables {
         }
         for one in &self.of_runs {
             inputs.add_json(&one.requirement, &("junit", one.unknown, one.skipped));
+        }
+        if let Some(speaks_of) = &self.speaks_of {
+            inputs.add("speaks_of", speaks_of.as_bytes());
         }
         // An entry without it has the inputs that it had before there was the key.
         if let Some(because) = &self.one_for_all {

@@ -238,6 +238,8 @@ pub(crate) fn technique_of<'t>(
             failure_modes,
             one_for_all,
             junit,
+            episodes,
+            cluster,
             tests,
         } => Box::new(tables::ReadTables {
             technique: *technique,
@@ -247,6 +249,7 @@ pub(crate) fn technique_of<'t>(
                 failure_modes: failure_modes.as_deref(),
                 one_for_all: one_for_all.as_deref(),
                 junit: junit.as_deref(),
+                episodes: episodes.as_deref().zip(cluster.as_deref()),
                 tests,
             },
         }),

@@ -2,6 +2,8 @@
 
 mod all_mistakes;
 mod bad_files;
+mod episodes;
+mod exchange;
 mod exploring;
 mod own_technique;
 mod plans;

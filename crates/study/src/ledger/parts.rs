@@ -44,6 +44,8 @@ pub struct TableFiles<'w> {
     pub one_for_all: Option<&'w str>,
     /// JUnit XML of runs: a folder or a file, which is no table by itself.
     pub junit: Option<&'w Path>,
+    /// Episodes of a learned policy with what makes them alike: a cohort that is made of a file or folder.
+    pub episodes: Option<(&'w Path, &'w str)>,
     /// By requirement the test that verifies it.
     pub tests: &'w BTreeMap<String, String>,
 }
@@ -215,6 +217,8 @@ impl Work {
                 failure_modes,
                 one_for_all,
                 junit,
+                episodes,
+                cluster,
                 tests,
             } => Parts {
                 technique: *technique,
@@ -228,6 +232,7 @@ impl Work {
                     failure_modes: failure_modes.as_deref(),
                     one_for_all: one_for_all.as_deref(),
                     junit: junit.as_deref(),
+                    episodes: episodes.as_deref().zip(cluster.as_deref()),
                     tests,
                 }),
                 recordings: None,

@@ -159,6 +159,13 @@ pub(super) struct TablesText {
     /// A folder of JUnit XML, or one file: each run's test cases are trials of the requirements that their property `verifies` names.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) junit: Option<Spanned<PathBuf>>,
+    /// Episodes of a learned policy: LeRobot's `eval_info.json`, a folder of them, a dataset of LeRobot (version 2), or a table in CSV with
+    /// a row for each. They are a cohort of clusters.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) episodes: Option<Spanned<PathBuf>>,
+    /// What makes episodes alike: `task`, `seed`, `checkpoint`, a column of the table, or `episode` if each stands by itself.
+    #[schemars(with = "Option<String>")]
+    pub(super) cluster: Option<Spanned<String>>,
     /// By requirement the test that verifies it, where test cases of `junit` do not say so.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, String>")]

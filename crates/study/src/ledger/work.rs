@@ -530,13 +530,14 @@ impl Reader<'_> {
             &tables.requirements,
             &tables.failure_modes,
             &tables.junit,
+            &tables.episodes,
         ];
         if given.iter().all(|path| path.is_none()) {
             return Err(self.problem(
                 "missing-entry",
                 "`tables` is empty".into(),
                 span,
-                "add `cohort`, `requirements`, `failure_modes` or `junit`",
+                "add `cohort`, `requirements`, `failure_modes`, `junit` or `episodes`",
             ));
         }
         let one_for_all = found.keep(self.declared_for_all(tables)).flatten();
@@ -547,12 +548,18 @@ impl Reader<'_> {
         let (cohort, requirements) = (file(&tables.cohort), file(&tables.requirements));
         let failure_modes = file(&tables.failure_modes);
         // A folder of runs, or one file.
-        let junit = tables.junit.as_ref().and_then(|path| {
+        let mut file_or_folder = |path: &Option<Spanned<PathBuf>>| {
+            let path = path.as_ref()?;
             match self.folder.join(path.get_ref()).is_dir() {
                 true => Some(path.get_ref().clone()),
                 false => found.keep(self.existing(path)),
             }
-        });
+        };
+        let (junit, episodes) = (
+            file_or_folder(&tables.junit),
+            file_or_folder(&tables.episodes),
+        );
+        let cluster = found.keep(self.cluster(tables)).flatten();
         let tests = found.keep(self.tests(tables)).unwrap_or_default();
         found.or(Work::Read {
             technique,
@@ -561,8 +568,45 @@ impl Reader<'_> {
             requirements,
             failure_modes,
             junit,
+            episodes,
+            cluster,
             tests,
         })
+    }
+
+    /// What makes episodes alike, which is to be declared of them and of nothing else.
+    fn cluster(&self, tables: &TablesText) -> Result<Option<String>, Problem> {
+        let choices = "`task`, `seed`, `checkpoint`, a column of the table, or `episode` if each stands by itself";
+        match (&tables.episodes, &tables.cluster) {
+            (None, None) => Ok(None),
+            (Some(path), None) => Err(self.problem(
+                "missing-entry",
+                "`tables.episodes` does not say what makes episodes alike".into(),
+                path.span(),
+                &format!("add `cluster = `: {choices}"),
+            )),
+            (None, Some(cluster)) => Err(self.problem(
+                "missing-entry",
+                "`tables.cluster` is of `tables.episodes`, which is not there".into(),
+                cluster.span(),
+                "add `episodes = ` with their file or folder, or leave `cluster` out",
+            )),
+            (Some(path), Some(_)) if tables.cohort.is_some() => Err(self.problem(
+                "missing-entry",
+                "`tables.episodes` and `tables.cohort` are both a cohort".into(),
+                path.span(),
+                "leave one of them out, or make them two entries",
+            )),
+            (Some(_), Some(cluster)) => match cluster.get_ref().trim() {
+                "" => Err(self.problem(
+                    "missing-entry",
+                    "`tables.cluster` is empty".into(),
+                    cluster.span(),
+                    &format!("write {choices}"),
+                )),
+                name => Ok(Some(name.to_owned())),
+            },
+        }
     }
 
     /// By requirement the test that verifies it.
@@ -615,7 +659,7 @@ impl Reader<'_> {
         let Some(because) = &tables.one_for_all else {
             return Ok(None);
         };
-        if tables.cohort.is_none() {
+        if tables.cohort.is_none() && tables.episodes.is_none() {
             return Err(self.problem(
                 "one-for-all",
                 "`one_for_all` needs a table `cohort`".into(),

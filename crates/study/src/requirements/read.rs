@@ -3,7 +3,7 @@
 use super::carried::{CarryOverText, carried};
 use super::durations::other_duration;
 use super::stated::other_rate;
-use super::{FormText, Forms, ReadingForm, SubjectForm, TriggerForm};
+use super::{Background, FormText, Forms, ReadingForm, SubjectForm, TriggerForm};
 use crate::judging_form::{JudgingForm, JudgingText, Rule};
 use crate::sentence_form::{SentenceForm, SentenceReader};
 use crate::{About, StudyParameters, Texts, Vocabulary};
@@ -38,6 +38,15 @@ struct RequirementText {
     /// The requirement verbatim, as its source has it.
     #[schemars(with = "String")]
     text: Spanned<String>,
+    /// Why it is asked for.
+    #[serde(default)]
+    rationale: String,
+    /// How far it is, in the words of the tool that manages requirements.
+    #[serde(default)]
+    status: String,
+    /// The ids of the requirements that it was derived from, here or elsewhere.
+    #[serde(default)]
+    parents: Vec<String>,
     /// What is asked of the probability, for example `"at least 0.95"`; without it every run has to satisfy the requirement.
     #[schemars(with = "Option<String>")]
     threshold: Option<Spanned<String>>,
@@ -282,6 +291,11 @@ impl Reader<'_> {
             carried_at: text.carries_over.iter().map(Spanned::span).collect(),
             other_rate: None,
             other_duration: None,
+            background: Background {
+                rationale: text.rationale,
+                status: text.status,
+                parents: text.parents,
+            },
             sentence,
         };
         form.complete_from_sentence();
@@ -293,6 +307,7 @@ impl Reader<'_> {
                 subject: form.subject,
                 span: form.span,
                 carried_at: form.carried_at,
+                background: form.background,
                 ..(*other).clone()
             };
         }
@@ -429,6 +444,7 @@ impl Reader<'_> {
             readings: Vec::new(),
             experiment: found.keep(self.experiment(text.experiment)).flatten(),
             carried_at: Vec::new(),
+            background: Background::default(),
             other_rate: None,
             other_duration: None,
         };

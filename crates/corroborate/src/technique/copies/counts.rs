@@ -49,7 +49,7 @@ fn of_files(study: &Study, evidence: &[Evidence], pair: [usize; 2]) -> Option<Ca
     let has_totals = |piece: &Evidence| {
         let entry = study.ledger.iter().find(|entry| entry.id == piece.id);
         let tables = entry.and_then(|entry| entry.work.tables());
-        tables.is_some_and(|tables| tables.cohort.is_none())
+        tables.is_some_and(|tables| tables.cohort.is_none() && tables.episodes.is_none())
     };
     if !has_totals(piece) || !has_totals(other) {
         return None;
