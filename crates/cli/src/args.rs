@@ -8,6 +8,7 @@ mod diff;
 mod engines;
 mod explore;
 mod format;
+mod pack;
 mod peers;
 mod rare;
 mod recordings;
@@ -28,6 +29,7 @@ pub use diff::{Diff, DiffFormat, Written};
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
 pub use format::FormatFiles;
+pub use pack::Pack;
 pub use peers::with_peers_spelling;
 pub use rare::{Calibrate, Rare};
 pub use recordings::{EndingChoice, Inspect, Monitor, Requirements, TimeChoice};
@@ -142,7 +144,9 @@ pub enum Command {
     Report(Report),
     /// Write a study's assurance case, and its evidence as statements.
     Assure(Assure),
-    /// Check that every figure of a result follows from its evidence.
+    /// Put what assessors ask for into one signed archive; or make the key that signs.
+    Pack(Pack),
+    /// Check that every figure of a result follows from its evidence, or every byte of an evidence pack.
     Verify(Verify),
     /// Make a new study: from a template, a robot's description or a recording.
     Init(Init),

@@ -1,6 +1,7 @@
 //! What was found, as an exit code for scripts and CI: for each kind of report the rule by which it ends.
 
 use crate::corroboration;
+use crate::pack::{PackSignature, PackVerification};
 use crate::technique::exploration::ExplorationReport;
 use crate::{
     CompareReport, EnginesReport, RareReport, ReplayReport, RequirementsReport, VerifyReport,
@@ -77,6 +78,17 @@ impl Ended for CompareReport {
 impl Ended for VerifyReport {
     fn outcome(&self) -> Outcome {
         first(&[(!self.faults.is_empty(), Outcome::Violated)])
+    }
+}
+
+/// Whether every byte of a pack is as it was written, and its signature was verified.
+impl Ended for PackVerification {
+    fn outcome(&self) -> Outcome {
+        let is_signed = matches!(self.signature, PackSignature::Valid { .. });
+        first(&[
+            (!self.faults.is_empty(), Outcome::Violated),
+            (!is_signed, Outcome::Inconclusive),
+        ])
     }
 }
 
