@@ -5,6 +5,8 @@ mod check;
 mod decide;
 mod diagnose;
 mod diff;
+#[cfg(test)]
+mod documented;
 mod engines;
 mod explore;
 mod format;

@@ -107,15 +107,13 @@ fn part(conclusion: Option<&Conclusion>, piece: &Evidence) -> String {
     let Some(conclusion) = conclusion else {
         return "not concluded from".into();
     };
-    if conclusion.rests_on.contains(&piece.id) {
-        return "the verdict rests on it".into();
-    }
     let excluded = conclusion
         .excluded
         .iter()
         .find(|it| it.evidence == piece.id);
     match excluded {
         Some(excluded) => format!("left out: {}", excluded.words),
+        None if conclusion.rests_on.contains(&piece.id) => "the verdict rests on it".into(),
         None if piece.intermediate => "a step on the way".into(),
         None => "shown, not decisive".into(),
     }

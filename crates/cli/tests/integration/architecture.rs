@@ -11,7 +11,7 @@ use support::source::{
 use support::{files_below, metadata, read, root, shown};
 
 /// Every crate, its floor, and which of our crates it may use.
-const CRATES: [(&str, u8, &[&str]); 28] = [
+const CRATES: [(&str, u8, &[&str]); 29] = [
     ("diagnostic", 0, &[]),
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
@@ -30,6 +30,7 @@ const CRATES: [(&str, u8, &[&str]); 28] = [
         &["diagnostic", "trace", "robot-model", "stimulus"],
     ),
     ("campaign", 1, &["stats", "stimulus"]),
+    ("pack", 1, &["diagnostic"]),
     ("evidence", 2, &["stats"]),
     ("refinement", 2, &["prism-lang", "stats", "evidence"]),
     ("live", 2, &["trace", "recording"]),
@@ -130,6 +131,7 @@ const CRATES: [(&str, u8, &[&str]); 28] = [
             "checker",
             "recording",
             "robot-model",
+            "pack",
             "live",
             "requirement-lang",
             "testbench",
@@ -150,6 +152,7 @@ const CRATES: [(&str, u8, &[&str]); 28] = [
             "judging",
             "query",
             "rig",
+            "pack",
             "prism-lang",
             "temporal",
             "stats",
@@ -189,7 +192,10 @@ const CRATES: [(&str, u8, &[&str]); 28] = [
 ];
 
 /// Things of the outside world, each with the one crate that may name it.
-const OUTSIDE: [(&str, &str); 17] = [
+const OUTSIDE: [(&str, &str); 20] = [
+    ("ed25519-dalek", "pack"),
+    ("base64", "pack"),
+    ("getrandom", "cli"),
     ("libloading", "testbench"),
     ("rapier3d-f64", "testbench"),
     ("mcap", "recording"),

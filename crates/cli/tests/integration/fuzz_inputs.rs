@@ -142,3 +142,8 @@ fn topic_maps() {
 fn descriptions_of_robots() {
     replay("robot", targets::robot);
 }
+
+#[test]
+fn packs() {
+    replay("pack", targets::pack);
+}

@@ -94,7 +94,10 @@ fn requirement(conclusion: &Conclusion) -> Vec<NotShown> {
 
 /// Conditions that the study declares, and under which nothing was done.
 fn conditions(study: &Study, result: &StudyResult) -> Vec<NotShown> {
-    let is_met = |name: &String| result.evidence.iter().any(|it| it.conditions == *name);
+    let is_met = |name: &String| {
+        let mut entries = study.ledger.iter().filter(|it| it.conditions == *name);
+        entries.any(|entry| result.evidence.iter().any(|it| it.id == entry.id))
+    };
     let declared = study.about.conditions.iter();
     let untested = declared.filter(|(name, _)| !is_met(name));
     untested

@@ -161,6 +161,10 @@ fn figures(row: &TraceRow<'_>) -> [String; 6] {
         Measure::Counts { count, trials, .. } => {
             (count.to_string(), trials.to_string(), "statistical")
         }
+        // The limits are those of the distribution then.
+        Measure::Probability {
+            credible: Some(_), ..
+        } => (String::new(), String::new(), "credible"),
         Measure::Probability { answer, .. } => (
             String::new(),
             String::new(),

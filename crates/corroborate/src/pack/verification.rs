@@ -85,10 +85,14 @@ pub fn verify_pack(file: &Path, key: Option<&Path>) -> Result<PackVerification, 
         count,
         what: what.to_owned(),
     };
+    let named = found
+        .manifest
+        .as_ref()
+        .map_or(0, |it| it.subject.len() as u64);
     let checked = match found.faults.is_empty() {
         true => vec![
             holds(
-                found.parts,
+                named,
                 "parts are as the manifest names them (SHA-256), and there are no others",
             ),
             holds(
