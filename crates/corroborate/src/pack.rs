@@ -21,6 +21,7 @@ mod strategy;
 mod traceability;
 mod verification;
 
+pub use log::Log;
 pub use verification::{PackSignature, PackVerification, verify_pack};
 
 use crate::assure::Drawing;
@@ -155,21 +156,19 @@ pub fn pack(
     is_fresh(request, host)?;
     let verified = follows(request, &folder, host, drawing)?;
     let key = request.key.as_deref().map(secret_key).transpose()?;
-    let gathered = parts::gather(
-        &parts::Gathering {
-            request,
-            study: &study,
-            result: &result,
-            results: &folder,
-            verified: &verified,
-            is_signed: key.is_some(),
-            host,
-        },
-        drawing,
-    )?;
+    let gathering = parts::Gathering {
+        request,
+        study: &study,
+        result: &result,
+        results: &folder,
+        verified: &verified,
+        is_signed: key.is_some(),
+        host,
+    };
     let to = request.to.clone().unwrap_or_else(|| folder.join(PACK));
-    let written = write(&to, gathered, key.as_ref());
-    // A reader that is asked to stop fails like any other.
+    let written =
+        parts::gather(&gathering, drawing).and_then(|gathered| write(&to, gathered, key.as_ref()));
+    // A file that is read when somebody asks to stop fails like any other.
     let (written, bytes, sha256) =
         written.map_err(|problem| host.go_on().err().unwrap_or(problem))?;
     Ok(PackReport {

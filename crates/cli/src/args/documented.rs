@@ -86,6 +86,8 @@ fn every_call_that_is_shown_is_understood() {
     ] {
         pages(&root().join(folder), &mut found);
     }
+    // Made of the help texts, which are read below, and of usage lines, in which words stand for others.
+    found.retain(|it| !it.ends_with("reference/commands.md"));
     for path in found {
         let text = std::fs::read_to_string(&path).expect("a page");
         texts.push((path.display().to_string(), text));

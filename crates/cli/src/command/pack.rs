@@ -111,6 +111,8 @@ mod tests {
         assert_schema_is_committed("pack.schema.json", &schema);
         let schema = schemars::schema_for!(NewKey).into();
         assert_schema_is_committed("pack-key.schema.json", &schema);
+        let schema = schemars::schema_for!(corroborate::pack::Log).into();
+        assert_schema_is_committed("pack-log.schema.json", &schema);
         let schema = schemars::schema_for!(::pack::Manifest).into();
         assert_schema_is_committed("statement-pack.schema.json", &schema);
     }

@@ -228,13 +228,16 @@ fn script(text: &str, folder: &Path) -> Result<(), String> {
 }
 
 /// The files of a study by the table with which a piece of one begins.
-const KINDS: [(&str, &str); 6] = [
+const KINDS: [(&str, &str); 9] = [
     ("evidence", "ledger"),
     ("requirement", "requirements"),
     ("failure_mode", "requirements"),
     ("simulation", "scene"),
     ("person", "scene"),
     ("robot", "scene"),
+    ("group", "scene"),
+    ("trajectory", "scene"),
+    ("gripper", "scene"),
 ];
 
 /// A piece of TOML can be read, and what it says is as the schema of its file has it. What the piece leaves out is not missing.

@@ -75,7 +75,7 @@ fn requirement(conclusion: &Conclusion) -> Vec<NotShown> {
         )),
         (Verdict::Satisfied | Verdict::Violated, Some(step)) if step < Step::System => {
             Some(format!(
-                "What trials of the system decide: it is {} {}.",
+                "What trials of the system would show: it is {} {}.",
                 conclusion.verdict.words(),
                 step.words()
             ))
@@ -167,7 +167,8 @@ fn of_recordings(recordings: &[Recording]) -> Option<NotShown> {
     let left_out = recordings.iter().filter(|it| it.part.is_none());
     let (count, bytes) = left_out.fold((0, 0), |(count, bytes), it| (count + 1, bytes + it.bytes));
     let words = format!(
-        "The recordings themselves: {} of {bytes} bytes in all {} named by SHA-256 and not in the pack (`--with-recordings` puts them in).",
+        "The recordings themselves: {} of {bytes} bytes in all {} named by SHA-256 and not in the pack (`--with-recordings` puts them in). \
+         What rests on them is derived again only where they are put back at their paths.",
         counted(count, "file"),
         if count == 1 { "is" } else { "are" }
     );

@@ -86,14 +86,18 @@ pub(super) fn content(path: &Path, host: &Host) -> Result<Content, Problem> {
             return Err(cannot(std::io::ErrorKind::InvalidInput.into()));
         }
         let file = std::fs::File::open(&path).map_err(cannot)?;
-        let cancel = cancel.clone();
-        Ok(Box::new(UntilCancelled { file, cancel }))
+        Ok(Box::new(UntilCancelled {
+            file,
+            path: path.clone(),
+            cancel: cancel.clone(),
+        }))
     }))
 }
 
 /// A file that is read until somebody asks to stop.
 struct UntilCancelled {
     file: std::fs::File,
+    path: PathBuf,
     cancel: Arc<Cancel>,
 }
 
@@ -101,7 +105,9 @@ impl Read for UntilCancelled {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         match self.cancel.is_cancelled() {
             true => Err(std::io::Error::other("interrupted")),
-            false => self.file.read(buffer),
+            false => self.file.read(buffer).map_err(|error| {
+                std::io::Error::new(error.kind(), format!("{}: {error}", self.path.display()))
+            }),
         }
     }
 }
