@@ -137,7 +137,7 @@ impl<'r> Reading<'r> {
         if self.faults.len() < MOST_FAULTS {
             self.faults.push(Fault {
                 part: part.to_owned(),
-                what: what.into(),
+                what: plain(&what.into()),
             });
         }
     }
@@ -172,11 +172,21 @@ impl<'r> Reading<'r> {
     }
 
     fn entry(&mut self, begin: u64) -> Result<(), String> {
-        let cut = || format!("byte {begin}: the archive ends within a part");
+        let entry = self.header(begin)?;
+        if (self.entries.last()).is_some_and(|last| last.name >= entry.name) {
+            return Err(format!("byte {begin}: {} stands out of order", entry.name));
+        }
+        self.content(&entry)?;
+        self.entries.push(entry);
+        Ok(())
+    }
+
+    /// The entry whose local header begins here, if every byte of that is as a pack has it.
+    fn header(&mut self, begin: u64) -> Result<Entry, String> {
         let mut header = Vec::from(LOCAL);
         header.extend(self.take(LOCAL_BYTES - LOCAL.len())?);
         if header.len() < LOCAL_BYTES {
-            return Err(cut());
+            return Err(format!("byte {begin}: the archive ends within a part"));
         }
         let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| header[at + i]));
         let (crc, size) = (number(14), number(18));
@@ -187,31 +197,22 @@ impl<'r> Reading<'r> {
         let name = name.ok_or(format!(
             "byte {begin}: the name of a part is not one that a pack has"
         ))?;
-        let offset = u32::try_from(begin).ok();
-        let offset = offset
-            .filter(|_| begin + u64::from(size) <= MOST_BYTES && self.entries.len() < MOST_ENTRIES);
+        let fits = begin + u64::from(size) <= MOST_BYTES && self.entries.len() < MOST_ENTRIES;
+        let offset = u32::try_from(begin).ok().filter(|_| fits);
+        let offset = offset.ok_or("it is larger than any pack")?;
         let entry = Entry {
             name,
             crc,
             size,
-            offset: offset.ok_or("it is larger than any pack")?,
+            offset,
         };
-        if entry.local_header() != header {
-            return Err(format!(
+        match entry.local_header() == header {
+            true => Ok(entry),
+            false => Err(format!(
                 "byte {begin}: the header of {} is not as a pack has it",
                 entry.name
-            ));
+            )),
         }
-        if self
-            .entries
-            .last()
-            .is_some_and(|last| last.name >= entry.name)
-        {
-            return Err(format!("byte {begin}: {} stands out of order", entry.name));
-        }
-        self.content(&entry)?;
-        self.entries.push(entry);
-        Ok(())
     }
 
     /// The content of an entry goes by.
@@ -361,3 +362,13 @@ impl<'r> Reading<'r> {
         }
     }
 }
+
+/// A text that may quote the archive, without what would mean something to a terminal, and no longer than what is read.
+fn plain(text: &str) -> String {
+    let harmful = |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c);
+    let shown = text.chars().take(MOST_SAID);
+    shown.map(|c| if harmful(c) { ' ' } else { c }).collect()
+}
+
+/// How many characters of a fault are told.
+const MOST_SAID: usize = 500;

@@ -73,6 +73,10 @@ impl Read {
         let signature = STANDARD
             .decode(&one.sig)
             .map_err(|error| error.to_string())?;
+        let is_hash = one.keyid.len() == 64 && one.keyid.bytes().all(|c| c.is_ascii_hexdigit());
+        if !is_hash {
+            return Err("it names no key by its SHA-256".into());
+        }
         if text(payload, &one.keyid, &signature).as_bytes() != envelope {
             return Err("it is not in the form in which it was written".into());
         }

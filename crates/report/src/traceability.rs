@@ -10,7 +10,7 @@ use maud::{DOCTYPE, Markup, html};
 /// The style of the table, which has no script and loads nothing.
 const STYLE: &str = "body{font:14px/1.45 system-ui,sans-serif;margin:2em;color:#222;background:#fff}\
 table{border-collapse:collapse;width:100%}th,td{border:1px solid #bbb;padding:.35em .5em;text-align:left;vertical-align:top}\
-th{background:#eee}code{font-size:12px;overflow-wrap:anywhere}td.gap{background:#fff3d6}.form{color:#555}\
+th{background:#eee}code{font-size:12px;overflow-wrap:anywhere}td.gap{background:#fff3d6}td.files{min-width:10em}.form{color:#555}\
 @media print{body{margin:0;font-size:9px}}";
 
 /// SHA-256 of the empty script in base64: no other may run.
@@ -93,6 +93,6 @@ fn piece(row: &TraceRow<'_>) -> Markup {
         td { b { (piece.id) } " " (piece.title) br; span.form { (words::technique(piece.technique)) ", " (piece.conditions) } }
         td { (figures(&finding.measure)) }
         td { (row.part) }
-        td { @for asset in &piece.assets { code { (asset.path) } br; } }
+        td.files { @for asset in &piece.assets { code { (asset.path) } br; } }
     }
 }

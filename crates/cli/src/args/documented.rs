@@ -73,8 +73,8 @@ fn words(call: &str) -> Vec<String> {
     words
 }
 
-#[test]
-fn every_call_that_is_shown_is_understood() {
+/// The documents and the help texts, each with its name.
+fn texts() -> Vec<(String, String)> {
     let mut texts: Vec<(String, String)> = Vec::new();
     let mut found = vec![root().join("README.md"), root().join("ci/README.md")];
     for folder in [
@@ -99,9 +99,14 @@ fn every_call_that_is_shown_is_understood() {
             help.unwrap_or_default(),
         ));
     }
+    texts
+}
+
+#[test]
+fn every_call_that_is_shown_is_understood() {
     let (mut count, mut faults) = (0, Vec::new());
-    for (name, text) in &texts {
-        for (line, words) in calls(text) {
+    for (name, text) in texts() {
+        for (line, words) in calls(&text) {
             count += 1;
             let arguments = with_peers_spelling(words.iter().map(OsString::from));
             let Err(error) = Arguments::try_parse_from(arguments) else {

@@ -71,9 +71,16 @@ fn text(report: &PackReport) -> String {
     });
     text.push_str("What the pack does not show (README.md in it):\n");
     for one in &report.not_shown {
-        text.push_str(&format!("  {}: {}\n", one.of, one.words));
+        text.push_str(&format!("  {}: {}\n", plain(&one.of), plain(&one.words)));
     }
     text
+}
+
+/// What quotes the study's files, without what would mean something to a terminal.
+fn plain(text: &str) -> String {
+    let harmful = |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c);
+    let shown = text.chars().map(|c| if harmful(c) { ' ' } else { c });
+    shown.collect()
 }
 
 fn new_key(file: &Path, format: Format) -> Result<Done, Problem> {

@@ -190,13 +190,13 @@ fn open_requirements_and_what_was_left_out_are_said() {
     study.edit(
         "study.toml",
         "[conditions]",
-        "[conditions]\nnight = \"In the dark.\"",
+        "[conditions]\nnight = \"In the\\u001b[2J dark.\"",
     );
     // The model computes 95 %, and 96 of 100 trials decide neither.
     let violated = asked("0.9", "0.96");
     for said in [
         "requirement 1: What trials of the system would show: it is violated for the model.",
-        "conditions `night`: Anything: no evidence is of these conditions (In the dark.).",
+        "conditions `night`: Anything: no evidence is of these conditions (In the [2J dark.).",
         "requirement 2: Not covered: E1 cannot express it.",
         "the pack: Who made it: the pack is not signed",
     ] {

@@ -281,21 +281,7 @@ fn pdf(
     lacks: &mut Vec<NotShown>,
 ) -> Result<Option<Part>, Problem> {
     let (bytes, what) = match &from.request.pdf {
-        Some(file) => {
-            let bytes = read_file(file, MOST_BYTES)?;
-            if !bytes.starts_with(b"%PDF-") {
-                let message = format!(
-                    "{} is not a PDF: it does not begin with %PDF-",
-                    file.display()
-                );
-                return Err(Problem::new("bad-pdf", message)
-                    .remedy("print report.html into a PDF, and name that file"));
-            }
-            (
-                bytes,
-                "the report as PDF, as it was handed in; its figures were not compared with the result",
-            )
-        }
+        Some(file) => (handed_in(file)?, HANDED_IN),
         None => match (drawing.pdf)(&(drawing.result.page)(from.result)) {
             Ok(bytes) => (
                 bytes,
@@ -317,4 +303,18 @@ fn pdf(
         Content::bytes(bytes),
     );
     Ok(Some(part.as_sace(Sace::TT)))
+}
+
+const HANDED_IN: &str =
+    "the report as PDF, as it was handed in; its figures were not compared with the result";
+
+/// A report that was made elsewhere.
+fn handed_in(file: &Path) -> Result<Vec<u8>, Problem> {
+    let bytes = read_file(file, MOST_BYTES)?;
+    if bytes.starts_with(b"%PDF-") {
+        return Ok(bytes);
+    }
+    let name = file.display();
+    let message = format!("{name} is not a PDF: it does not begin with %PDF-");
+    Err(Problem::new("bad-pdf", message).remedy("print report.html into a PDF, and name that file"))
 }

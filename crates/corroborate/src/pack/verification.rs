@@ -71,6 +71,23 @@ pub fn verify_pack(file: &Path, key: Option<&Path>) -> Result<PackVerification, 
         &mut BufReader::with_capacity(1 << 16, archive),
         key.as_ref(),
     );
+    let (faults, checked) = (faults(file, &found), holds(&found));
+    let (signature, not_checked) = signature(found.signature);
+    let predicate = found.manifest.map(|it| it.predicate);
+    Ok(PackVerification {
+        format: "1.0".into(),
+        pack: file.to_owned(),
+        sha256: found.sha256,
+        study: predicate.as_ref().map(|it| it.study.clone()),
+        signature,
+        faults,
+        checked,
+        not_checked,
+        not_shown: predicate.map(|it| it.not_shown).unwrap_or_default(),
+    })
+}
+
+fn faults(file: &Path, found: &::pack::Checked) -> Vec<Fault> {
     let name = file.display();
     let faults = found.faults.iter().map(|fault| Fault {
         file: match fault.part.as_str() {
@@ -80,40 +97,28 @@ pub fn verify_pack(file: &Path, key: Option<&Path>) -> Result<PackVerification, 
         place: String::new(),
         fault: fault.what.clone(),
     });
-    let (signature, not_checked) = signature(found.signature);
+    faults.collect()
+}
+
+/// What holds of a pack without a fault.
+fn holds(found: &::pack::Checked) -> Vec<Checked> {
+    let Some(manifest) = (found.manifest.as_ref()).filter(|_| found.faults.is_empty()) else {
+        return Vec::new();
+    };
     let holds = |count: u64, what: &str| Checked {
         count,
         what: what.to_owned(),
     };
-    let named = found
-        .manifest
-        .as_ref()
-        .map_or(0, |it| it.subject.len() as u64);
-    let checked = match found.faults.is_empty() {
-        true => vec![
-            holds(
-                named,
-                "parts are as the manifest names them (SHA-256), and there are no others",
-            ),
-            holds(
-                found.bytes,
-                "bytes of the archive are those of its parts, and nothing stands between them",
-            ),
-        ],
-        false => Vec::new(),
-    };
-    let predicate = found.manifest.map(|it| it.predicate);
-    Ok(PackVerification {
-        format: "1.0".into(),
-        pack: file.to_owned(),
-        sha256: found.sha256,
-        study: predicate.as_ref().map(|it| it.study.clone()),
-        signature,
-        faults: faults.collect(),
-        checked,
-        not_checked,
-        not_shown: predicate.map(|it| it.not_shown).unwrap_or_default(),
-    })
+    vec![
+        holds(
+            manifest.subject.len() as u64,
+            "parts are as the manifest names them (SHA-256), and there are no others",
+        ),
+        holds(
+            found.bytes,
+            "bytes of the archive are those of its parts, and nothing stands between them",
+        ),
+    ]
 }
 
 fn signature(found: Signature) -> (PackSignature, Vec<String>) {

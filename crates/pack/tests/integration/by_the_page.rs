@@ -70,7 +70,9 @@ fn changed_bytes(step: usize) {
             signer.is_some(),
             "{said}"
         );
-        for at in (step / 2..whole.len()).step_by(step) {
+        let places = (step / 2..whole.len()).step_by(step);
+        eprintln!("{} of {} bytes are changed", places.len(), whole.len());
+        for at in places {
             let mut bytes = whole.clone();
             bytes[at] ^= 1 << (at % 8);
             let (is_good, said) = run(folder.path(), &commands, &bytes);

@@ -157,6 +157,27 @@ fn the_form_is_the_one_of_the_format() {
 }
 
 #[test]
+fn what_a_hostile_manifest_says_reaches_no_terminal() {
+    for text in [
+        "{\"\\u001b[2Jowned\u{202e}\": 1}".to_owned(),
+        "{\"_type\": \"".to_owned() + &"x".repeat(100_000),
+    ] {
+        let entry = (pack::MANIFEST.to_owned(), text.into_bytes());
+        let found = check(&mut formed(&[entry]).as_slice(), None);
+        let said = &found.faults[0].what;
+        assert!(
+            said.starts_with("it cannot be read") && said.len() < 2_000,
+            "{said}"
+        );
+        assert!(!said.contains(['\u{1b}', '\u{202e}']), "{said:?}");
+    }
+    let envelope = (pack::ENVELOPE.to_owned(), b"{\"payload\": \"e30=\", \"payloadType\": \"application/vnd.in-toto+json\", \"signatures\": [{\"keyid\": \"\\u001b[2J\", \"sig\": \"\"}]}".to_vec());
+    let manifest = (pack::MANIFEST.to_owned(), b"{}".to_vec());
+    let found = check(&mut formed(&[envelope, manifest]).as_slice(), None);
+    assert_eq!(found.signature, Signature::Invalid);
+}
+
+#[test]
 fn hostile_archives_end_in_a_fault() {
     let mut big = b"PK\x03\x04".to_vec();
     big.extend([0xff; 40]);
