@@ -322,3 +322,43 @@ fn changed_bytes_of_a_real_pack_are_noticed() {
         assert_eq!(said.code, 1, "byte {at}: {said:?}");
     }
 }
+
+/// The envelope and the statement in it, as others read them.
+#[test]
+#[ignore = "needs python3 with the packages `securesystemslib`, `cryptography` and `in-toto-attestation` in PATH"]
+fn the_securesystemslib_package_verifies_the_signature() {
+    const READ: &str = "import json, sys\n\
+        from cryptography.hazmat.primitives.serialization import load_pem_public_key\n\
+        from google.protobuf import json_format\n\
+        from in_toto_attestation.v1 import statement_pb2\n\
+        from in_toto_attestation.v1.statement import Statement\n\
+        from securesystemslib.dsse import Envelope\n\
+        from securesystemslib.exceptions import VerificationError\n\
+        from securesystemslib.signer import SSlibKey\n\
+        given = json.load(open(sys.argv[1]))\n\
+        keyid = given['signatures'][0]['keyid']\n\
+        envelope = Envelope.from_dict(given)\n\
+        public = load_pem_public_key(open(sys.argv[2], 'rb').read())\n\
+        key = SSlibKey.from_crypto(public, keyid=keyid)\n\
+        assert len(envelope.verify([key], 1)) == 1\n\
+        read = json_format.Parse(envelope.payload.decode(), statement_pb2.Statement())\n\
+        Statement.copy_from_pb(read).validate()\n\
+        assert json.loads(json_format.MessageToJson(read)) == json.loads(envelope.payload)\n\
+        envelope.payload = envelope.payload.replace(b'satisfied', b'violated', 1) + b' '\n\
+        try:\n    envelope.verify([key], 1)\n\
+        except VerificationError:\n    sys.exit(0)\n\
+        sys.exit('a changed payload was verified')\n";
+    let study = ran();
+    assert_eq!(pack(&study, "one.zip", &["--key", "signer.pem"]).code, 0);
+    let folder = unpacked(&study, "one.zip").expect("unzip is here");
+    let files = [
+        folder.join("manifest.dsse.json"),
+        study.beside().join("signer.pub.pem"),
+    ];
+    let output = Command::new("python3")
+        .args(["-c", READ])
+        .args(files)
+        .output();
+    let output = output.expect("python3 starts");
+    assert!(output.status.success(), "{output:?}");
+}
