@@ -9,7 +9,7 @@
 //! evidence ([`verify`](crate::verify())): a signature under a figure that somebody changed by hand would be worse than none.
 //!
 //! Guarantee: the same files of study and results, the same arguments and the same key give the same bytes. Nothing half written
-//! stays behind. What the pack lacks is listed in it ([`not_shown`]).
+//! stays behind. What the pack lacks is listed in it ([`PackReport::not_shown`]).
 
 mod log;
 mod not_shown;
