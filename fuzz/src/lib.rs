@@ -503,3 +503,18 @@ pub fn requirements(bytes: &[u8]) {
         }
     }
 }
+
+/// Checks an evidence pack: one that has no fault is the archive that its own parts give.
+pub fn pack(bytes: &[u8]) {
+    let found = pack::check(&mut &bytes[..], None);
+    assert!(found.bytes <= bytes.len() as u64);
+    if !found.faults.is_empty() {
+        return;
+    }
+    assert_eq!(found.bytes, bytes.len() as u64, "bytes behind the archive");
+    let manifest = found
+        .manifest
+        .expect("a pack without a fault has a manifest");
+    let envelope = u64::from(found.signature != pack::Signature::Absent);
+    assert_eq!(found.parts, manifest.subject.len() as u64 + 1 + envelope);
+}

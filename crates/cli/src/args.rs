@@ -5,10 +5,13 @@ mod check;
 mod decide;
 mod diagnose;
 mod diff;
+#[cfg(test)]
+mod documented;
 mod engines;
 mod explore;
 mod format;
 mod language_server;
+mod pack;
 mod peers;
 mod rare;
 mod recordings;
@@ -30,6 +33,7 @@ pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
 pub use format::FormatFiles;
 pub use language_server::LanguageServer;
+pub use pack::Pack;
 pub use peers::with_peers_spelling;
 pub use rare::{Calibrate, Rare};
 pub use recordings::{
@@ -148,7 +152,9 @@ pub enum Command {
     Report(Report),
     /// Write a study's assurance case, and its evidence as statements.
     Assure(Assure),
-    /// Check that every figure of a result follows from its evidence.
+    /// Put what assessors ask for into one signed archive; or make the key that signs.
+    Pack(Pack),
+    /// Check that every figure of a result follows from its evidence, or every byte of an evidence pack.
     Verify(Verify),
     /// Make a new study: from a template, a robot's description or a recording.
     Init(Init),

@@ -17,6 +17,7 @@ mod inspect;
 mod language_server;
 mod man;
 mod monitor;
+mod pack;
 mod plan;
 mod rare;
 mod refine;
@@ -73,6 +74,7 @@ pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
         Command::Diagnose(arguments) => diagnose::diagnose(arguments, setting),
         Command::Report(arguments) => report::report(arguments),
         Command::Assure(arguments) => assure::assure(arguments),
+        Command::Pack(arguments) => pack::pack(arguments, setting),
         Command::Verify(arguments) => verify::verify(arguments, setting),
         Command::Init(arguments) => init::init(arguments),
         Command::Schema(arguments) => schema::schema(arguments),

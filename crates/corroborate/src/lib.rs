@@ -14,6 +14,7 @@
 //! | find which asset is to blame for what disagrees | [`diagnose()`]; one path of a model [`sampled_path`](diagnose::sampled_path) |
 //! | check that every figure follows from its evidence | [`verify()`] |
 //! | write its assurance case, with statements that others sign | [`assure()`] |
+//! | make one signed archive of all that, and check one | [`pack()`], [`verify_pack()`] |
 //! | see each requirement in all its forms, and where they drifted apart | [`requirements()`]; ready ones [`requirements::library`] |
 //! | keep requirements the same in FRET, ReqIF, StrictDoc, Doorstop and CSV | [`import_requirements()`], [`export_requirements()`] |
 //! | check properties of one model | [`check()`] |
@@ -54,6 +55,7 @@ pub mod init;
 pub mod inspect;
 pub mod kept;
 pub mod outcome;
+pub mod pack;
 mod plan;
 mod published;
 pub mod rare;
@@ -97,6 +99,7 @@ pub use init::{InitReport, InitRequest, InitSource, Template, init, new_study};
 pub use inspect::{InspectRequest, inspect};
 pub use judging::{MonitorReport, MonitorRequest, monitor};
 pub use outcome::{Ended, Outcome};
+pub use pack::{PackRequest, pack, verify_pack};
 pub use plan::{Freshness, PlannedEvidence, RunPlan, plan};
 pub use query::{CheckReport, CheckRequest, check};
 pub use rare::{RareReport, RareRequest, rare};

@@ -1,6 +1,7 @@
 //! What was found, as an exit code for scripts and CI: for each kind of report the rule by which it ends.
 
 use crate::corroboration;
+use crate::pack::{PackSignature, PackVerification};
 use crate::requirements::exchange::Verdict;
 use crate::technique::exploration::ExplorationReport;
 use crate::{
@@ -78,6 +79,17 @@ impl Ended for CompareReport {
 impl Ended for VerifyReport {
     fn outcome(&self) -> Outcome {
         first(&[(!self.faults.is_empty(), Outcome::Violated)])
+    }
+}
+
+/// Whether every byte of a pack is as it was written, and its signature was verified.
+impl Ended for PackVerification {
+    fn outcome(&self) -> Outcome {
+        let is_signed = matches!(self.signature, PackSignature::Valid { .. });
+        first(&[
+            (!self.faults.is_empty(), Outcome::Violated),
+            (!is_signed, Outcome::Inconclusive),
+        ])
     }
 }
 

@@ -88,6 +88,10 @@ impl VerifyRequest {
     }
 }
 
+/// What [`plan`](crate::plan()) knows, and a verification does not.
+pub(crate) const INPUTS: &str =
+    "hashes of all inputs of evidence (`run` forms them, and finds what is stale)";
+
 /// Verifies the results of a study; without a `drawing` the page and the assurance case are not looked at, which is
 /// said.
 ///
@@ -119,9 +123,7 @@ pub fn verify(
         Some(drawing) => written(&claimed, results, drawing, &mut audit)?,
         None => audit.not_checked("the page and the assurance case: nothing here draws them"),
     }
-    audit.not_checked(
-        "hashes of all inputs of evidence (`run` forms them, and finds what is stale)",
-    );
+    audit.not_checked(INPUTS);
     Ok(VerifyReport::new(results, &folder, audit))
 }
 

@@ -36,6 +36,7 @@ mod sensitivity;
 mod step;
 mod synthesis;
 mod technique;
+mod traceability;
 #[cfg(test)]
 #[path = "../tests/integration/support/uniform.rs"]
 mod uniform;
@@ -92,6 +93,7 @@ pub use sensitivity::{ASSUMED_GROUP, CORRELATIONS, bear_clustering};
 pub use step::{CarryOver, Step};
 pub use synthesis::{Synthesis, synthesise};
 pub use technique::{AskedBy, Mark, Rerun, Technique, Traits, WitnessOf};
+pub use traceability::{TraceRow, trace};
 pub use verdict::{
     ClusterSensitivity, Comparison, Conclusion, CoverageGap, ErrorFamily, ErrorRate, Excluded,
     ExcludedTrials, ExclusionReason, FurtherTrials, Inaccuracy, Outcome, PieceStanding, RunVerdict,

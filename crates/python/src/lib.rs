@@ -57,6 +57,12 @@ mod _engine {
         corroborate::build().as_str().to_owned()
     }
 
+    /// The version of the package, which is that of the command.
+    #[pyfunction]
+    fn version() -> &'static str {
+        env!("CARGO_PKG_VERSION")
+    }
+
     /// Carries out the command `corroborate` with these arguments, the program's name first; gives the exit code.
     #[pyfunction]
     fn command(py: Python<'_>, arguments: Vec<std::ffi::OsString>) -> PyResult<u8> {

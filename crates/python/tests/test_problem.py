@@ -96,3 +96,23 @@ def test_importing_the_package_imports_nothing_large():
     said = "import sys, corroborate; print('numpy' in sys.modules, 'corroborate._engine' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", said], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False", "False"]
+
+
+@pytest.mark.parametrize(
+    "call, said",
+    [
+        (lambda: corroborate.Model.parse(3), "text is a str with a model in the PRISM language, not int: Model.load"),
+        (lambda: corroborate.Model.load(b"m.prism"), "path is a str or a path of a model's file, not bytes"),
+        (lambda: corroborate.Formula(None), "text is a str with a formula, not NoneType"),
+        (lambda: corroborate.Study(7), "folder is a str or a path of a study's folder, not int: name the folder"),
+    ],
+)
+def test_arguments_of_the_wrong_type_say_what_is_taken(call, said):
+    with pytest.raises(TypeError) as caught:
+        call()
+    assert said in str(caught.value)
+
+
+def test_the_version_is_that_of_the_command():
+    done = subprocess.run([sys.executable, "-m", "corroborate", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["corroborate", corroborate.__version__]

@@ -15,10 +15,12 @@ pub mod replay;
 pub mod sarif;
 mod section;
 mod text;
+mod traceability;
 mod view;
 mod words;
 
 pub use markdown::markdown;
+pub use traceability::traceability;
 
 use evidence::StudyResult;
 

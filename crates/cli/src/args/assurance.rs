@@ -36,15 +36,18 @@ Computes everything again from the kept evidence and the study's files: counts f
 journals of episodes, intervals, comparisons, conclusions, the report; and checks every hash.
 A map of disagreement is searched again by the journal of its episodes; for it alone models are
 solved. Nothing else is run, solved or simulated again, and nothing is written.
+Of an evidence pack (`corroborate pack`) every byte, every part and the signature are checked.
 
 Examples:
   corroborate verify case-studies/handover/results
   corroborate verify results case-studies/handover
+  corroborate verify evidence-pack.zip --key signer.pub.pem
 
 Exit codes:
-  0 everything follows   1 something does not, and is named   2 error in the call or the input")]
+  0 everything follows   1 something does not, and is named   2 error in the call or the input
+  3 a pack without a signature, or without the key that verifies it")]
 pub struct Verify {
-    /// The folder of results.
+    /// The folder of results, or an evidence pack.
     pub results: PathBuf,
     /// The study's folder, if not the one in which the results lie.
     pub study: Option<PathBuf>,
@@ -55,4 +58,7 @@ pub struct Verify {
     /// as at first.
     #[arg(long)]
     pub deep: bool,
+    /// The signer's public key in PEM, by which the signature of an evidence pack is verified.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["study", "deep"])]
+    pub key: Option<PathBuf>,
 }

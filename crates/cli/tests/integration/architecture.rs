@@ -11,7 +11,7 @@ use support::source::{
 use support::{files_below, metadata, read, root, shown};
 
 /// Every crate, its floor, and which of our crates it may use.
-const CRATES: [(&str, u8, &[&str]); 29] = [
+const CRATES: [(&str, u8, &[&str]); 31] = [
     ("diagnostic", 0, &[]),
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
@@ -30,6 +30,7 @@ const CRATES: [(&str, u8, &[&str]); 29] = [
         &["diagnostic", "trace", "robot-model", "stimulus"],
     ),
     ("campaign", 1, &["stats", "stimulus"]),
+    ("pack", 1, &["diagnostic"]),
     ("evidence", 2, &["stats"]),
     ("requirement-files", 2, &["diagnostic", "requirement-lang"]),
     ("refinement", 2, &["prism-lang", "stats", "evidence"]),
@@ -142,6 +143,7 @@ const CRATES: [(&str, u8, &[&str]); 29] = [
             "checker",
             "recording",
             "robot-model",
+            "pack",
             "live",
             "requirement-lang",
             "requirement-files",
@@ -164,6 +166,7 @@ const CRATES: [(&str, u8, &[&str]); 29] = [
             "language-server",
             "query",
             "rig",
+            "pack",
             "prism-lang",
             "temporal",
             "stats",
@@ -203,9 +206,12 @@ const CRATES: [(&str, u8, &[&str]); 29] = [
 ];
 
 /// Things of the outside world, each with the one crate that may name it.
-const OUTSIDE: [(&str, &str); 19] = [
+const OUTSIDE: [(&str, &str); 22] = [
     ("lsp-server", "language-server"),
     ("ls-types", "language-server"),
+    ("ed25519-dalek", "pack"),
+    ("base64", "pack"),
+    ("getrandom", "cli"),
     ("libloading", "testbench"),
     ("rapier3d-f64", "testbench"),
     ("mcap", "recording"),

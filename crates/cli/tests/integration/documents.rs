@@ -1,10 +1,9 @@
-//! What the documents say: every link leads somewhere, and what they show is what the program prints.
+//! What the documents say: every link leads somewhere, and every crate has a README. What they show is run by `snippets.rs`.
 
 use crate::support;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use support::program::corroborate;
 use support::{files_below, read, root};
 
 /// All documents that are kept, but the licences of others and what fuzzing found.
@@ -105,137 +104,6 @@ fn anchors(text: &str) -> BTreeSet<String> {
         anchors.extend(free);
     }
     anchors
-}
-
-/// A call that a document shows, and what it shows of the output.
-#[derive(Debug)]
-struct Sample {
-    call: String,
-    output: Vec<String>,
-}
-
-/// What stands in blocks of `console`: a call after `$ `, then its output.
-fn samples(text: &str) -> Vec<Sample> {
-    let mut samples: Vec<Sample> = Vec::new();
-    let mut is_console = false;
-    for line in text.lines() {
-        match (is_console, line.strip_prefix("$ ")) {
-            (_, _) if line.starts_with("```") => is_console = line == "```console",
-            (true, Some(call)) => samples.push(Sample {
-                call: call.to_owned(),
-                output: Vec::new(),
-            }),
-            (true, None) => samples
-                .last_mut()
-                .expect("a block of `console` begins with a call")
-                .output
-                .push(line.to_owned()),
-            (false, _) => {}
-        }
-    }
-    samples
-}
-
-/// The words of a call; what stands in single quotes is one word.
-fn words(call: &str) -> Vec<String> {
-    let mut words = vec![String::new()];
-    let mut is_quoted = false;
-    for letter in call.chars() {
-        match letter {
-            '\'' => is_quoted = !is_quoted,
-            ' ' if !is_quoted => words.push(String::new()),
-            other => words.last_mut().expect("a word").push(other),
-        }
-    }
-    words
-}
-
-/// Whether a line is the shown one, in which `...` stands for any text.
-fn is_line(shown: &str, line: &str) -> bool {
-    let parts: Vec<&str> = shown.split("...").collect();
-    let [first, middle @ .., last] = parts.as_slice() else {
-        return shown == line;
-    };
-    let Some(mut rest) = line.strip_prefix(first) else {
-        return false;
-    };
-    for part in middle {
-        let Some(place) = rest.find(part) else {
-            return false;
-        };
-        rest = &rest[place + part.len()..];
-    }
-    rest.ends_with(last)
-}
-
-/// Whether an output is the shown one, in which a line `...` stands for any lines.
-fn is_output(shown: &[String], output: &[&str]) -> bool {
-    match shown.split_first() {
-        None => output.is_empty(),
-        Some((first, rest)) if first == "..." => {
-            (0..=output.len()).any(|skipped| is_output(rest, &output[skipped..]))
-        }
-        Some((first, rest)) => {
-            let here = output.split_first();
-            here.is_some_and(|(line, more)| is_line(first, line) && is_output(rest, more))
-        }
-    }
-}
-
-#[test]
-fn what_the_documents_show_is_what_the_program_prints() {
-    let root = root();
-    let mut documents = files_below(&root.join("docs"));
-    documents.push(root.join("README.md"));
-    let mut compared = 0;
-    for document in documents {
-        if document.extension().is_none_or(|it| it != "md") {
-            continue;
-        }
-        // A user stands in the project, but what the calls make is made elsewhere.
-        let folder = tempfile::TempDir::new().expect("a temporary folder");
-        for name in ["case-studies", "conformance"] {
-            std::os::unix::fs::symlink(root.join(name), folder.path().join(name)).expect("linked");
-        }
-        for sample in samples(&read(&document)) {
-            let words = words(&sample.call);
-            let (program, arguments) = words.split_first().expect("a call");
-            assert_eq!(
-                program,
-                "./corroborate",
-                "{}: {sample:?}",
-                document.display()
-            );
-            let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-            let said = corroborate(folder.path(), &arguments);
-            // A number and its unit are held together by a no-break space, which nobody sees in a document.
-            let printed = said.out.replace('\u{a0}', " ");
-            let output: Vec<&str> = printed.lines().collect();
-            assert!(
-                is_output(&sample.output, &output),
-                "{} shows of `{}`\n\n{}\n\nbut it prints (exit code {})\n\n{}{}",
-                document.display(),
-                sample.call,
-                sample.output.join("\n"),
-                said.code,
-                said.out,
-                said.talk
-            );
-            compared += 1;
-        }
-    }
-    assert!(compared >= 8, "only {compared} samples were found");
-}
-
-#[test]
-fn an_output_is_compared_line_by_line() {
-    let shown = |lines: &[&str]| -> Vec<String> { lines.iter().map(|it| (*it).into()).collect() };
-    let output = ["a 1 s", "b", "c"];
-    assert!(is_output(&shown(&["a ... s", "...", "c"]), &output));
-    assert!(is_output(&shown(&["...", "b", "c", "..."]), &output));
-    assert!(!is_output(&shown(&["a ... s", "b"]), &output));
-    assert!(!is_output(&shown(&["a 2 s", "..."]), &output));
-    assert!(!is_output(&shown(&["...", "b"]), &output));
 }
 
 /// The example is compiled and run as a test of the crate's documentation, since that begins with the README.

@@ -152,3 +152,8 @@ fn texts_of_editors() {
 fn descriptions_of_robots() {
     replay("robot", targets::robot);
 }
+
+#[test]
+fn packs() {
+    replay("pack", targets::pack);
+}

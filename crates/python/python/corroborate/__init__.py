@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from ._studies import Study, StudyResult
     from ._table import Table
 
+    __version__: str
+
 # Each is loaded when it is first used: importing the package takes a few milliseconds.
 _HOMES = {
     "Answer": "_answers",
@@ -48,6 +50,10 @@ __all__ = ["InternalError", "Problem", *_HOMES]
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from ._engine import version
+
+        return version()
     home = _HOMES.get(name)
     if home is None:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any, Literal, Union
 
-from . import _engine
+from . import _checked, _engine
 from ._problem import Problem
 
 if TYPE_CHECKING:
@@ -144,6 +144,7 @@ class Formula:
         interpolation: Literal["hold", "linear"] = "hold",
         ending: Ending = "long_enough",
     ) -> None:
+        text = _checked.text(text, "text", "a formula", "for example Formula(\"always speed < 2\")")
         self._formula = _engine.Formula(text, dict(parameters), time, interpolation, ending)
         self.text, self.time, self.ending = text, time, ending
 

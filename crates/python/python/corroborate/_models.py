@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Union, overload
 
-from . import _engine
+from . import _checked, _engine
 from ._answers import Answer, Witness
 from ._functions import parametric
 from ._problem import Problem
@@ -96,12 +96,13 @@ class Model:
         Raises:
             Problem: at the place of the first mistake, with all others as ``related``.
         """
+        text = _checked.text(text, "text", "a model in the PRISM language", "Model.load(path) reads a file")
         return cls._of(_engine.Model.parse(text, name))
 
     @classmethod
     def load(cls, path: Union[str, os.PathLike[str]]) -> Model:
         """Reads a file in the PRISM language, or an explicit one: ``FILE.tra``, ``FILE.tra,sta,lab``, ``FILE.all``, ``FILE.drn``."""
-        return cls._of(_engine.Model.load(os.fspath(path)))
+        return cls._of(_engine.Model.load(_checked.path(path, "path", "a model's file", "Model.parse(text) reads a text")))
 
     @classmethod
     def from_stormvogel(cls, model: StormvogelModel) -> Model:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Union
 
-from . import _engine
+from . import _checked, _engine
 from ._problem import Problem
 from ._surroundings import surroundings
 from ._table import Table
@@ -106,9 +106,10 @@ class Study:
     """
 
     def __init__(self, folder: PathLike, *, out: Union[PathLike, None] = None) -> None:
-        self.folder = pathlib.Path(folder)
+        named = _checked.path(folder, "folder", "a study's folder", "name the folder that holds study.toml")
+        self.folder = pathlib.Path(named)
         self.out = self.folder / "results" if out is None else pathlib.Path(out)
-        self._about = _engine.study_open(os.fspath(folder))
+        self._about = _engine.study_open(named)
 
     @property
     def title(self) -> str:

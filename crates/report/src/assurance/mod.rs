@@ -36,7 +36,7 @@ mod gsn2x;
 mod node;
 mod provenance;
 mod safety;
-mod words;
+pub(crate) mod words;
 
 pub use gsn2x::yaml;
 pub use node::{Argument, Citation, ClaimPoint, Kind, Node};
