@@ -72,12 +72,14 @@ module b = a [x=y, go=stop] endmodule";
 #[test]
 fn what_copies_do_not_catch_can_be_renamed() {
     let text =
-        "mdp const int E = 1; const int D = 2; module E x : [0..E]; [] x=0 -> (x'=1); endmodule
-module F = E [x=y, y=x, E=D] endmodule";
-    let of_module = renamed(text, "E x", "G").expect("free");
-    assert!(of_module.contains("module G x : [0..E]") && of_module.contains("= G [x=y, y=x, E=D]"));
+        "mdp const int e1 = 1; const int d1 = 2; module e1 x : [0..e1]; [] x=0 -> (x'=1); endmodule
+module f1 = e1 [x=y, y=x, e1=d1] endmodule";
+    let of_module = renamed(text, "e1 x", "g1").expect("free");
+    assert!(
+        of_module.contains("module g1 x : [0..e1]") && of_module.contains("= g1 [x=y, y=x, e1=d1]")
+    );
     let of_variable = renamed(text, "x : [", "z").expect("free");
-    assert!(of_variable.contains("[z=y, y=z, E=D]"), "{of_variable}");
+    assert!(of_variable.contains("[z=y, y=z, e1=d1]"), "{of_variable}");
     assert_eq!(renamed(&of_variable, "z : [", "x").as_deref(), Ok(text));
 }
 

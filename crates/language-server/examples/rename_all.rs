@@ -2,7 +2,7 @@
 //! the changed text is read and built again, definitions are looked up, and the text is laid out.
 //!
 //! ```text
-//! cargo run --release -p corroborate-language-server --example corpus -- FILE...
+//! cargo run --release -p corroborate-language-server --example rename_all -- FILE...
 //! ```
 //!
 //! Models whose states are more than a few thousand, or that need constants, are only read again.
