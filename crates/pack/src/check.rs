@@ -1,7 +1,7 @@
 //! A pack is checked, byte by byte.
 //!
 //! # Definition
-//! The archive is read once, from its first byte to its last. Every byte has to be the one that [`crate::write`] would have
+//! The archive is read once, from its first byte to its last. Every byte has to be the one that [`crate::write()`] would have
 //! written for the parts that stand there; every part has to be named by the manifest with the SHA-256 that it has, and every part
 //! that is named has to be there; the envelope has to hold the manifest, and its signature has to be of the key that is given.
 //!

@@ -7,7 +7,7 @@
 //! form the archive again and compare. Source: PKWARE, APPNOTE.TXT 6.3.10, 4.3.
 //!
 //! A crate that writes ZIP was not taken: which version numbers, flags and attributes it writes changes between its releases, and
-//! then the same study would no longer give the same archive, nor could [`crate::check`] say that nothing stands between parts.
+//! then the same study would no longer give the same archive, nor could [`crate::check()`] say that nothing stands between parts.
 //!
 //! Guarantee: two archives of the same parts are the same bytes; an archive that is read here has no byte that does not belong
 //! to a part's name, its content, or the directory of these.
