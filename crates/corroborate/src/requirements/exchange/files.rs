@@ -137,12 +137,21 @@ pub(super) fn lost_with_texts(document: &Document, merged: &Merged) -> Vec<Strin
         Format::Fret => {
             let has_formulas = |id: &str| document.item(id).is_some_and(|it| it.formulas.is_some());
             let note = |id: &str| {
-                format!("{id}: FRET's formulas were those of the old sentence, and are taken out: open it in FRET, and save it.")
+                format!(
+                    "{id}: FRET's formulas were those of the old sentence, and are taken out: open it in FRET, and save it."
+                )
             };
-            texts.filter(|it| has_formulas(&it.id)).map(|it| note(&it.id)).collect()
+            texts
+                .filter(|it| has_formulas(&it.id))
+                .map(|it| note(&it.id))
+                .collect()
         }
         Format::ReqIf | Format::ReqIfArchive => {
-            let note = |id: &str| format!("{id}: the new text is plain; formatting that the old one had in the file is gone.");
+            let note = |id: &str| {
+                format!(
+                    "{id}: the new text is plain; formatting that the old one had in the file is gone."
+                )
+            };
             texts.map(|it| note(&it.id)).collect()
         }
         _ => Vec::new(),
