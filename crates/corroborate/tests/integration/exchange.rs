@@ -340,3 +340,31 @@ fn calls_that_cannot_be_carried_out_say_why() {
         "bad-study-file"
     );
 }
+
+#[test]
+fn what_a_replaced_text_loses_in_the_file_is_said() {
+    let study = Copy::of_template("Model");
+    let (id, old, _) = requirements(&study)[0].clone();
+    write(
+        &study,
+        "r.json",
+        &fret("(LAST V docked)").replace("F1", &id),
+    );
+    export(&study, "r.reqif");
+    let mut taken = request(&study, "r.json");
+    taken.take = Some(Take::Study);
+    import_requirements(&taken, &host()).expect("decided");
+    study.edit("requirements.toml", &old, "Another text.");
+    for (file, said) in [
+        ("r.reqif", "the new text is plain"),
+        ("r.json", "FRET's formulas were those of the old"),
+    ] {
+        let report = export(&study, file);
+        let notes = report
+            .notes
+            .iter()
+            .filter(|it| it.starts_with(&format!("{id}: ")) && it.contains(said));
+        assert_eq!(notes.count(), 1, "{file}: {:?}", report.notes);
+    }
+    assert!(!text(&study, "r.json").contains("LAST"));
+}
