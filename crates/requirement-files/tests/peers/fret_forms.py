@@ -22,6 +22,7 @@ SCOPES = {
 }
 CONDITIONS = {"null": "", "regular": "when c ", "holding": "whenever c ", "noTrigger": "whenever c "}
 TIMINGS = {
+    "null": "",
     "immediately": "immediately",
     "next": "at the next timepoint",
     "eventually": "eventually",
