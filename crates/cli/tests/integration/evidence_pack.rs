@@ -143,11 +143,15 @@ fn what_is_unpacked_is_the_study_with_its_results_and_follows_again() {
     for letters in ["Q", "RR", "SS", "TT", "VV"] {
         assert!(parts.iter().any(|it| it["sace"] == letters), "{letters}");
     }
+    let reqif = read(&folder.join("requirements/requirements.reqif"));
+    assert!(
+        reqif.contains("</REQ-IF>") && reqif.contains("<SPEC-OBJECT "),
+        "{reqif}"
+    );
     let readme = read(&folder.join("README.md"));
     for shown in [
         "**Not signed**",
         "CycloneDX 1.6, 1 component",
-        "ReqIF: not in this pack",
         "[TT] Verification results",
     ] {
         assert!(readme.contains(shown), "{shown} is not in\n{readme}");

@@ -4,6 +4,7 @@ use super::{PACK, PackDrawing, PackRequest};
 use super::{log, not_shown, readme, recordings, sbom, strategy, traceability};
 use crate::assure;
 use crate::kept::{CALIBRATION, DIAGNOSIS, DISAGREEMENT, EXPLORATION};
+use crate::requirements::exchange::reqif;
 use crate::results::{REPORT, RESULT, json};
 use crate::run::COMPARISON;
 use crate::verify::VerifyReport;
@@ -238,14 +239,28 @@ fn assurance(from: &Gathering<'_>, drawing: &PackDrawing<'_>) -> Result<Vec<Part
 }
 
 /// Requirements in the formats of other tools.
-fn requirement_parts(_from: &Gathering<'_>, lacks: &mut Vec<NotShown>) -> Vec<Part> {
-    // ReqIF: the writer's text becomes `Part::new("requirements/requirements.reqif", Role::Requirements, "the requirements in
-    // ReqIF", Content::text(..)).as_sace(Sace::Q)`, and the line below goes.
-    lacks.push(NotShown {
-        of: "the pack".into(),
-        words: "ReqIF: not in this pack. The requirements are in study/requirements.toml and in the table of traceability.".into(),
-    });
-    Vec::new()
+fn requirement_parts(from: &Gathering<'_>, lacks: &mut Vec<NotShown>) -> Vec<Part> {
+    match reqif(from.study) {
+        Ok(bytes) => {
+            let part = Part::new(
+                "requirements/requirements.reqif",
+                Role::Requirements,
+                "the requirements in ReqIF",
+                Content::Bytes(bytes),
+            );
+            vec![part.as_sace(Sace::Q)]
+        }
+        Err(problem) => {
+            lacks.push(NotShown {
+                of: "the pack".into(),
+                words: format!(
+                    "ReqIF: not in this pack ({}). The requirements are in study/requirements.toml and in the table of traceability.",
+                    problem.message()
+                ),
+            });
+            Vec::new()
+        }
+    }
 }
 
 /// The verdicts as other tools read them.

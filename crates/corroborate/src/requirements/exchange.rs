@@ -24,7 +24,7 @@ use diagnostic::Problem;
 use host::Host;
 use host::files::write_whole;
 use merge::{Direction, Merged};
-use requirement_files::{Change, Document, Item};
+use requirement_files::{Change, Document, Format, Item};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -171,6 +171,20 @@ pub fn export_requirements(
     }
     work.keep(&merged, &mut report)?;
     Ok(report)
+}
+
+/// A study's requirements as a document in ReqIF.
+pub(crate) fn reqif(study: &Study) -> Result<Vec<u8>, Problem> {
+    let name = "requirements.reqif";
+    let document = Document::empty(Format::ReqIf, name, &study.about.title, "")?;
+    let items = study.forms.subjects.iter();
+    let items = items.filter_map(|it| item(study, it)).map(Change::Add);
+    let files = document.with(&items.collect::<Vec<_>>())?;
+    let written = files.into_iter().find(|file| file.name == name);
+    written.map(|file| file.bytes).ok_or_else(|| {
+        Problem::new("cannot-write-requirement", "the study has no requirement")
+            .remedy("write one in requirements.toml")
+    })
 }
 
 /// Both sides, read.
