@@ -52,7 +52,7 @@ pub fn at(workspace: &Workspace, path: &Path, offset: usize) -> Option<Shown> {
     }
     parts.extend(mistakes_at(workspace, path, offset));
     let text = parts.join("\n\n---\n\n");
-    let span = span.or_else(|| Some(offset..offset))?;
+    let span = span.unwrap_or(offset..offset);
     (!text.is_empty()).then_some(Shown { text, span })
 }
 

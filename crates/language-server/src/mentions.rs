@@ -213,14 +213,14 @@ impl Reader<'_> {
     fn exploration(&mut self, node: &Node) {
         if node.is(&["abstraction", "proposition", "*", "name"]) {
             // One that the vocabulary does not have is the exploration's own.
-            return match node
+            if node
                 .text
                 .as_ref()
                 .is_some_and(|it| self.known.propositions.contains(it))
             {
-                true => self.value(node, Thing::Proposition),
-                false => {}
-            };
+                self.value(node, Thing::Proposition);
+            }
+            return;
         }
         if node.is(&["disagreement", "constant", "*", "name"]) {
             return self.value(node, |name| Thing::Prism(Space::Value, name));

@@ -36,11 +36,11 @@ pub(super) fn in_toml(
         }
         return;
     }
-    let at = toml_tree::nodes(text)
+    let mut at = toml_tree::nodes(text)
         .into_iter()
         .filter(|node| !node.has_parts && node.value.start <= offset && offset <= node.value.end);
     let path_of_value = at
-        .last()
+        .next_back()
         .map_or_else(|| path_by_line(written, table), |it| it.path);
     for (word, said) in schema.map_or(Vec::new(), |it| schema::choices(it, &path_of_value)) {
         found.add(&word, CompletionItemKind::VALUE, said);

@@ -127,8 +127,11 @@ fn models() -> Vec<(PathBuf, String)> {
         .collect()
 }
 
+/// States, number of transitions, and in which states each label holds.
+type Meaning = (Vec<Vec<i64>>, usize, Vec<Vec<bool>>);
+
 /// A model's states, number of transitions and labels; `None` where it has too many states for a test, or has no meaning.
-fn meaning(text: &str) -> Option<(Vec<Vec<i64>>, usize, Vec<Vec<bool>>)> {
+fn meaning(text: &str) -> Option<Meaning> {
     let model = resolve(&parse_model(text).tree, &Constants::new()).ok()?;
     let options = ExploreOptions {
         max_states: 3_000,
