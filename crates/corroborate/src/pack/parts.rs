@@ -246,7 +246,7 @@ fn requirement_parts(from: &Gathering<'_>, lacks: &mut Vec<NotShown>) -> Vec<Par
                 "requirements/requirements.reqif",
                 Role::Requirements,
                 "the requirements in ReqIF",
-                Content::Bytes(bytes),
+                Content::bytes(bytes),
             );
             vec![part.as_sace(Sace::Q)]
         }
