@@ -394,6 +394,12 @@ impl DenseJudge {
         self.trigger.as_ref().is_some_and(|it| it.so_far() > 0)
     }
 
+    /// The same with another ending.
+    pub(super) fn with_ending(mut self, ending: Ending) -> Self {
+        self.ending = ending;
+        self
+    }
+
     /// Ends the trace. `complete` is false if it was cut short: then [`Ending::Finite`] is treated as
     /// [`Ending::Inconclusive`].
     #[must_use]

@@ -6,8 +6,10 @@
 //! it begins, since "the trace is all there is" gives it one.
 //!
 //! A formula is judged as the conjuncts that it has (`always (f & g)` are two). A trace is *short* of a conjunct if less than
-//! 99 % of its horizon follows its trigger's first time, or its first sample where it has no trigger: no window was seen whole. (A second
-//! of samples at 100 Hz ends 10 ms early, and says nonetheless what a second says.)
+//! its horizon follows its trigger's first time, or its first sample where it has no trigger, with a hundredth of its narrowest window
+//! to spare: no window was seen whole. (A second of samples at 100 Hz ends 10 ms early, and says nonetheless what a second says. Nothing is
+//! spared where the trace would be kept by what may come in that hundredth.) The trigger is all that has to hold before anything has to
+//! come: `a & !c` of `always (a => (b[0, 4 s] | c))` with `b[0, 4 s]` for a window.
 //!
 //! Of a short trace, what lies behind its end within a bounded window is unknown, and what lies there otherwise is
 //! nothing, as with [`Ending::Finite`]. With an atom `u` that is always unknown, and `cut` for
@@ -26,8 +28,10 @@
 //! Of a trace that is not short, the windows that its end cuts are *left out*: what no continuation could repair violates the
 //! formula, and what is pending does not. A response within 50 ms of each instant, of which the last 50 ms are always pending,
 //! is judged by the instants before, and one that was asked for 1 s before the end of an hour and may come within 5 s is no violation. The
-//! report says so ([`FormulaReport::left_out`]). A conjunct in which pending windows cannot be told from what the end of the
-//! trace does decide (`always (p => eventually always[0, 1 s] q)`) is judged like that of a short trace to its end.
+//! report says so where its verdict would be another by [`Ending::Finite`] ([`FormulaReport::left_out`]). A conjunct in which pending
+//! windows cannot be told from what the end of the trace does decide (`always (p => eventually always[0, 1 s] q)`), whose windows
+//! begin within an operator without an end (`always (p => always (q => eventually[0, 1 s] r))`) or are of seconds and of samples, is judged
+//! like that of a short trace to its end. So is one in which windows stand within an operator of the past, or the other way round.
 //!
 //! # Source
 //! Our own; the three values are those of Bauer, Leucker and Schallhart, "Runtime verification for LTL and TLTL" (2011), on
@@ -51,8 +55,10 @@ use super::report::{FormulaReport, RobustnessBounds, StepError};
 use super::settings::{CompileError, Ending, Settings, TimeModel};
 use crate::monitor::Verdict;
 
-/// The share of the horizon that a trace has to reach.
-const REACHED: f64 = 0.99;
+/// The share of a formula's narrowest window by which a trace may be shorter than its horizon.
+const SPARED: f64 = 0.01;
+/// The share of the horizon that rounding may take.
+const ROUNDING: f64 = 1e-9;
 
 /// How far the bounded windows of a formula reach.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -61,6 +67,8 @@ pub struct Horizon {
     pub secs: f64,
     /// In samples.
     pub samples: u64,
+    /// By how much a trace may be shorter, in seconds.
+    spared_secs: f64,
 }
 
 impl Horizon {
@@ -83,7 +91,18 @@ impl Horizon {
             Window::Seconds {
                 low_secs,
                 high_secs,
-            } => furthest.secs += ended(high_secs).unwrap_or(low_secs),
+            } => {
+                let spared_secs = match ended(high_secs) {
+                    Some(high_secs) if high_secs > low_secs => SPARED * (high_secs - low_secs),
+                    _ => f64::INFINITY,
+                };
+                let inner_secs = match furthest.secs > 0.0 {
+                    true => furthest.spared_secs,
+                    false => f64::INFINITY,
+                };
+                furthest.secs += ended(high_secs).unwrap_or(low_secs);
+                furthest.spared_secs = spared_secs.min(inner_secs).min(SPARED * furthest.secs);
+            }
             Window::Samples { low, high } => furthest.samples += high.unwrap_or(low),
         }
         Ok(furthest)
@@ -94,6 +113,11 @@ impl Horizon {
         Self {
             secs: self.secs.max(other.secs),
             samples: self.samples.max(other.samples),
+            spared_secs: match (self.secs > 0.0, other.secs > 0.0) {
+                (true, true) => self.spared_secs.min(other.spared_secs),
+                (true, false) => self.spared_secs,
+                (false, _) => other.spared_secs,
+            },
         }
     }
 
@@ -104,7 +128,12 @@ impl Horizon {
 
     /// Whether a trace of this length, with so many samples behind the first, reaches it.
     pub(super) fn is_reached(&self, length_secs: f64, samples: u64) -> bool {
-        length_secs >= REACHED * self.secs && samples >= self.samples
+        length_secs >= self.secs - self.spared_secs && samples >= self.samples
+    }
+
+    /// The same with nothing spared.
+    fn is_passed(&self, length_secs: f64) -> bool {
+        length_secs >= self.secs * (1.0 - ROUNDING)
     }
 }
 
@@ -237,6 +266,8 @@ fn every(formula: Formula, open: Option<Formula>) -> Formula {
 #[derive(Debug, Clone)]
 pub(super) struct EarlyMonitor {
     parts: Vec<Part>,
+    /// Whether the trigger of the whole has windows of the future.
+    looks_for_trigger: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -246,6 +277,8 @@ struct Part {
     has_trigger: bool,
     /// Whether the end of a trace can violate it by its pending windows alone.
     ends_pending: bool,
+    /// Whether its trigger has windows of the future.
+    looks_for_trigger: bool,
     /// Whether nothing that comes before the trigger of the formula can matter.
     sleeps: bool,
 }
@@ -254,8 +287,9 @@ struct Part {
 #[derive(Debug, Clone)]
 pub(super) struct EarlyJudge {
     parts: Vec<PartJudge>,
-    /// The longest horizon of the conjuncts that the trace is not short of any more.
-    left_out: Option<Horizon>,
+    looks_for_trigger: bool,
+    /// The horizons of the conjuncts that the trace is not short of any more, and when their windows began.
+    left_out: Vec<(Horizon, f64)>,
     /// Until when the trace is known to have gone on.
     lasted_secs: f64,
     /// A sample with the unknown atom.
@@ -268,6 +302,7 @@ struct PartJudge {
     horizon: Horizon,
     has_trigger: bool,
     ends_pending: bool,
+    looks_for_trigger: bool,
     /// Whether it waits for the trigger of the formula, which the formula itself sees.
     sleeps: bool,
     /// When its windows began: at the trigger, or the first sample.
@@ -289,22 +324,28 @@ impl EarlyMonitor {
             return Ok(None);
         }
         let common = settings.trigger.as_ref().or_else(|| formula.trigger());
+        let looks_for_trigger = common.is_some_and(|it| speaks_of(it, looks_ahead));
         let of_trigger = common.map_or(0, Formula::atom_count);
         let unknown = AtomId(formula.atom_count().max(of_trigger));
         let mut parts = Vec::new();
         for conjunct in conjuncts(formula) {
-            let trigger = common.or_else(|| conjunct.trigger()).cloned();
-            let trigger = (trigger, common.is_some());
+            let own = trigger_of(&conjunct);
+            let is_common = own.is_some() && own.as_ref() == common;
+            let trigger = (own, is_common);
             parts.extend(Part::compile(&conjunct, trigger, unknown, settings)?);
         }
-        Ok(Some(Self { parts }))
+        Ok(Some(Self {
+            parts,
+            looks_for_trigger,
+        }))
     }
 
     /// Begins to judge a trace.
     pub(super) fn start(&self) -> EarlyJudge {
         EarlyJudge {
             parts: self.parts.iter().map(Part::start).collect(),
-            left_out: None,
+            looks_for_trigger: self.looks_for_trigger,
+            left_out: Vec::new(),
             lasted_secs: f64::NEG_INFINITY,
             longer: Default::default(),
         }
@@ -320,21 +361,27 @@ impl Part {
         settings: &Settings,
     ) -> Result<Option<Self>, CompileError> {
         let horizon = Horizon::of(conjunct, settings.time)?;
-        let ends_pending = !waits_without_end(conjunct, true);
-        if horizon.is_none() && ends_pending {
+        let waits = waits_without_end(conjunct, true);
+        if horizon.is_none() && !waits {
             return Ok(None);
         }
+        let is_plain = !waits && !mixes_past(conjunct) && has_its_windows_in_front(conjunct);
+        let ends_pending = is_plain && (horizon.secs <= 0.0 || horizon.samples == 0);
         let has_trigger = trigger.is_some();
+        let looks_for_trigger = trigger
+            .as_ref()
+            .is_some_and(|it| speaks_of(it, looks_ahead));
         let of_formula = is_common && settings.time == TimeModel::Discrete;
         let sleeps = of_formula
             && trigger
                 .as_ref()
                 .is_some_and(|it| !speaks_of(it, looks_ahead))
             && !speaks_of(conjunct, looks_back);
+        let opened_trigger = trigger.map(|it| opened(&it, settings.time, unknown));
         let settings = Settings {
             ending: Ending::Finite,
             explain_samples: 0,
-            trigger,
+            trigger: opened_trigger,
             ..settings.clone()
         };
         // The unknown atom is always among the atoms.
@@ -345,6 +392,7 @@ impl Part {
             horizon,
             has_trigger,
             ends_pending,
+            looks_for_trigger,
             sleeps,
         }))
     }
@@ -355,11 +403,86 @@ impl Part {
             horizon: self.horizon,
             has_trigger: self.has_trigger,
             ends_pending: self.ends_pending,
+            looks_for_trigger: self.looks_for_trigger,
             sleeps: self.sleeps,
             began_secs: None,
             samples: 0,
         }
     }
+}
+
+/// What has to hold before a window of a conjunct has to be kept: of `always (a => (b | w))` with a window in `w`, `a & !b`.
+/// `None` if nothing has to.
+fn trigger_of(conjunct: &Formula) -> Option<Formula> {
+    let mut body = conjunct;
+    while let Formula::Always(_, inner) = body {
+        body = inner;
+    }
+    let mut conditions = Vec::new();
+    conditions_of(body, true, &mut conditions);
+    match conditions.len() {
+        0 | 1 => conditions.pop(),
+        _ => Some(Formula::And(conditions)),
+    }
+}
+
+/// The parts of a disjunction without windows, negated; of an implication, its left side as it is.
+fn conditions_of(formula: &Formula, wanted: bool, into: &mut Vec<Formula>) {
+    match (formula, wanted) {
+        (Formula::Implies(left, right), true) => {
+            into.push(left.as_ref().clone());
+            conditions_of(right, true, into);
+        }
+        (Formula::Or(parts), true) => parts.iter().for_each(|it| conditions_of(it, true, into)),
+        (Formula::And(parts), false) => parts.iter().for_each(|it| conditions_of(it, false, into)),
+        (Formula::Not(inner), _) if speaks_of(inner, looks_ahead) => {
+            conditions_of(inner, !wanted, into);
+        }
+        _ if speaks_of(formula, looks_ahead) => {}
+        (_, true) => into.push(Formula::not(formula.clone())),
+        (_, false) => into.push(formula.clone()),
+    }
+}
+
+/// Whether an operator of the past stands over one of the future, or below one that is not the `always` in front.
+fn mixes_past(conjunct: &Formula) -> bool {
+    let mut body = conjunct;
+    while let Formula::Always(_, inner) = body {
+        body = inner;
+    }
+    fn mixed(formula: &Formula, is_ahead: bool) -> bool {
+        let over = looks_back(formula)
+            && (is_ahead
+                || formula
+                    .operands()
+                    .iter()
+                    .any(|it| speaks_of(it, looks_ahead)));
+        let is_ahead = is_ahead || looks_ahead(formula);
+        over || formula.operands().into_iter().any(|it| mixed(it, is_ahead))
+    }
+    mixed(body, false)
+}
+
+/// Whether no window stands within an operator of the future without an end, other than the `always` in front.
+fn has_its_windows_in_front(conjunct: &Formula) -> bool {
+    let mut body = conjunct;
+    while let Formula::Always(_, inner) = body {
+        body = inner;
+    }
+    fn is_endless(formula: &Formula) -> bool {
+        looks_ahead(formula) && formula.interval().is_some_and(|it| it.high.is_none())
+    }
+    fn holds(formula: &Formula) -> bool {
+        let mut operands = formula.operands().into_iter();
+        match is_endless(formula) {
+            true => !operands.any(|it| speaks_of(it, ends_in)),
+            false => operands.all(holds),
+        }
+    }
+    fn ends_in(formula: &Formula) -> bool {
+        looks_ahead(formula) && !is_endless(formula)
+    }
+    holds(body)
 }
 
 /// Formulas whose conjunction it is, also in each instant of an `always`.
@@ -455,8 +578,7 @@ impl EarlyJudge {
     fn leave_what_is_over(&mut self, time_secs: f64) {
         let over = |part: &PartJudge| part.ends_pending && part.is_over(time_secs);
         for part in self.parts.iter().filter(|part| over(part)) {
-            let longest = self.left_out.unwrap_or_default();
-            self.left_out = Some(longest.and(part.horizon));
+            (self.left_out).push((part.horizon, part.began_secs.unwrap_or(time_secs)));
         }
         self.parts.retain(|part| !over(part));
     }
@@ -479,50 +601,75 @@ impl EarlyJudge {
     /// Whether nothing came behind the last sample for so long that all windows ended, of the conjuncts that the trace is not short of.
     fn saw_all(&self, last_secs: f64) -> bool {
         let silent_secs = self.lasted_secs - last_secs;
-        self.left_out
-            .is_none_or(|longest| longest.is_reached(silent_secs, 0))
+        let mut horizons = self.left_out.iter();
+        horizons.all(|(horizon, _)| horizon.samples == 0 && horizon.is_passed(silent_secs))
     }
 
-    /// What is said of the trace in place of a verdict that only its end gave, if that is something else; `best` is the greatest
-    /// robustness that a continuation can give, `last_secs` the time of the last sample.
+    /// What is said of the trace in place of a verdict that only its end gave, if that is something else. `weak` is what is said
+    /// with the benefit of the doubt, `best` the greatest robustness that a continuation can give, `last_secs` the time of the last
+    /// sample.
     pub(super) fn said_instead(
         self,
         report: &FormulaReport,
+        weak: Verdict,
         best: Option<RobustnessBounds>,
         last_secs: f64,
     ) -> Option<FormulaReport> {
-        let by_its_end = matches!(report.verdict, Verdict::Satisfied | Verdict::Violated)
-            && report.decided_at_secs.is_none();
-        if !by_its_end || self.lasted_secs == f64::INFINITY {
+        let may_change = match report.verdict {
+            Verdict::Satisfied | Verdict::Violated => report.decided_at_secs.is_none(),
+            Verdict::NotCovered => self.looks_for_trigger,
+            Verdict::Inconclusive => false,
+        };
+        if !may_change || self.lasted_secs == f64::INFINITY {
             return None;
         }
+        let is_violated = report.verdict == Verdict::Violated;
         let saw_all = self.saw_all(last_secs);
+        let end_secs = self.lasted_secs.max(last_secs);
+        let mut open = None;
         // What was never triggered is not violated.
-        let parts = self.parts.into_iter().filter(|part| !part.sleeps);
-        let found: Vec<_> = parts
-            .map(|it| (it.horizon, it.judge.finish(true)))
-            .collect();
-        if found.iter().any(|(_, it)| it.verdict == Verdict::Violated) {
+        for part in self.parts.into_iter().filter(|part| !part.sleeps) {
+            let found = part.judge.finish(true);
+            match found.verdict {
+                Verdict::Violated => return None,
+                Verdict::Inconclusive => open = open.or(Some((part.horizon, found.robustness))),
+                // The end may have cut the trigger itself.
+                Verdict::NotCovered if part.looks_for_trigger && !is_violated => {
+                    open = open.or(Some((part.horizon, found.robustness)));
+                }
+                Verdict::Satisfied | Verdict::NotCovered => {}
+            }
+        }
+        let as_open = |(horizon, robustness)| FormulaReport {
+            verdict: Verdict::Inconclusive,
+            robustness,
+            ends_before: Some(horizon),
+            explanation: None,
+            ..report.clone()
+        };
+        if let Some(open) = open {
+            return Some(as_open(open));
+        }
+        if !is_violated || weak == Verdict::Violated || saw_all {
             return None;
         }
-        let open = |it: &&(Horizon, FormulaReport)| it.1.verdict == Verdict::Inconclusive;
-        if let Some((horizon, open)) = found.iter().find(open) {
-            return Some(FormulaReport {
-                verdict: Verdict::Inconclusive,
-                robustness: open.robustness,
-                ends_before: Some(*horizon),
-                explanation: None,
-                ..report.clone()
-            });
+        let mut left_out = self.left_out.iter();
+        let best = report.robustness.and(best);
+        if let Some((spared, _)) = left_out.find(|(it, began)| !it.is_passed(end_secs - began)) {
+            return Some(as_open((*spared, best)));
         }
-        let left_out = self.left_out.filter(|_| !saw_all)?;
-        (report.verdict == Verdict::Violated).then(|| FormulaReport {
+        let longest = self
+            .left_out
+            .iter()
+            .map(|(it, _)| *it)
+            .reduce(Horizon::and)?;
+        Some(FormulaReport {
             verdict: Verdict::Satisfied,
             robustness: best.map(|best| RobustnessBounds {
                 low: best.high,
                 high: best.high,
             }),
-            left_out: Some(left_out),
+            left_out: Some(longest),
             explanation: None,
             ..report.clone()
         })
@@ -534,7 +681,7 @@ impl PartJudge {
         self.judge.step_instant(time_secs, samples)?;
         if self.began_secs.is_some() {
             self.samples += samples.len() as u64;
-        } else if !self.has_trigger || self.judge.has_triggered() {
+        } else if !self.has_trigger || self.looks_for_trigger || self.judge.has_triggered() {
             self.began_secs = Some(time_secs);
             self.samples = samples.len() as u64 - 1;
         }

@@ -604,18 +604,22 @@ impl FormulaJudge {
         };
         let early = self.early.as_ref().filter(|_| complete);
         let best = early.and_then(|_| self.robustness_bounds());
+        let weak = early.map_or(Verdict::Inconclusive, |_| {
+            let work = self.work.clone();
+            either!(work, judge => judge.with_ending(Ending::Weak).finish(complete)).verdict
+        });
         let mut report = either!(self.work, judge => judge.finish(complete));
         if self.is_void {
             report.verdict = Verdict::Inconclusive;
             report.robustness = report.robustness.map(|_| RobustnessBounds::UNKNOWN);
             report.decided_at_secs = None;
         }
-        if report.verdict == Verdict::NotCovered && self.has_lost {
-            // What was lost may have triggered it.
+        if report.verdict == Verdict::NotCovered && (self.has_lost || !complete) {
+            // What was lost, or comes behind where it was cut short, may trigger it.
             report.verdict = Verdict::Inconclusive;
         }
         if let Some(early) = self.early.filter(|_| complete)
-            && let Some(said) = early.said_instead(&report, best, self.last_secs)
+            && let Some(said) = early.said_instead(&report, weak, best, self.last_secs)
         {
             report = said;
         }

@@ -398,3 +398,88 @@ fn a_late_trigger_alone_is_open() {
         (Verdict::Inconclusive, false, true)
     );
 }
+
+/// A trace that is a little shorter than a window shows what is held, and not that what was awaited came; what cannot be told from
+/// the end, is open; and a violation that was seen stays one.
+#[test]
+fn nothing_is_satisfied_of_which_no_window_was_seen_whole() {
+    let of = |text: &str, rows: &[(f64, &str)]| {
+        let formula = parse(text, &|_| None).unwrap().formula;
+        let names = ["a", "b", "c"];
+        let atoms = parse(text, &|_| None).unwrap().atoms;
+        let shown = |row: &str| -> Vec<Option<bool>> {
+            let of = |name: &str| names.contains(&name) && row.contains(name);
+            atoms.iter().map(|it| Some(of(it.text.as_str()))).collect()
+        };
+        let samples = rows.iter().map(|(secs, row)| (*secs, shown(row)));
+        judged(
+            &formula,
+            &samples.collect(),
+            Settings::discrete(Ending::LongEnough),
+        )
+        .verdict
+    };
+    let until = |end_secs: f64| {
+        let rows = (1..).map(|at| (f64::from(at) * 0.05, ""));
+        let mut rows: Vec<_> = [(0.0, "a")]
+            .into_iter()
+            .chain(rows.take_while(|it| it.0 < end_secs + 1e-9))
+            .collect();
+        rows.dedup_by(|one, other| one.0 == other.0);
+        rows
+    };
+    // Ends at 9.95 s.
+    for (bound, verdict) in [
+        (9.8, Verdict::Violated),
+        (10.0, Verdict::Inconclusive),
+        (10.2, Verdict::Inconclusive),
+    ] {
+        let text = format!("always (a => eventually[0, {bound} s] b)");
+        assert_eq!(of(&text, &until(9.95)), verdict, "{bound}");
+    }
+    assert_eq!(of("always[0, 10 s] !b", &until(9.95)), Verdict::Satisfied);
+    assert_eq!(
+        of("always[9.95 s, 10 s] b", &until(9.9)),
+        Verdict::Inconclusive
+    );
+    // Over what the future holds there is the past.
+    let seen = [(0.0, ""), (0.5, "a"), (1.0, ""), (1.5, "")];
+    let past = "always (historically[0.5 s, 1.5 s] (eventually[0 s, 0.5 s] a))";
+    assert_eq!(of(past, &seen), Verdict::Violated);
+    assert_ne!(
+        of("always (b => next (rise a))", &[(0.0, ""), (1.0, "ab")]),
+        Verdict::Satisfied
+    );
+    // Seconds behind samples.
+    let rows = [(0.0, ""), (3.0, ""), (4.5, "")];
+    assert_eq!(
+        of("next (eventually[0, 4 s] b)", &rows),
+        Verdict::Inconclusive
+    );
+    // A trigger that the end cuts, in three ways to write it.
+    let gate = [(0.0, ""), (0.5, "")];
+    for text in [
+        "always ((eventually[0, 3 s] a) => b)",
+        "always ((eventually[0, 3 s] a) => b) & always (a => b)",
+        "always (!(eventually[0, 3 s] a) | b)",
+    ] {
+        assert_eq!(of(text, &gate), Verdict::Inconclusive, "{text}");
+    }
+    let near = [(0.0, "ab"), (1.0, "ab")];
+    assert_eq!(
+        of("always ((always[0, 3 s] a) => b)", &near),
+        Verdict::Inconclusive
+    );
+    // What asks for `b` only where `a` is not, in whatever order.
+    let late: Vec<(f64, &str)> = (0..21)
+        .map(|at| (f64::from(at), if at == 19 { "b" } else { "" }))
+        .collect();
+    for text in [
+        "always (b => (!a => eventually[0, 4 s] c))",
+        "always (!a => (b => eventually[0, 4 s] c))",
+        "always (!b | a | eventually[0, 4 s] c)",
+        "always (!a => always (b => eventually[0, 4 s] c))",
+    ] {
+        assert_eq!(of(text, &late), Verdict::Inconclusive, "{text}");
+    }
+}

@@ -300,6 +300,12 @@ impl DiscreteJudge {
         self.trigger.as_ref().is_some_and(|it| it.risen > 0)
     }
 
+    /// The same with another ending.
+    pub(in crate::formula) fn with_ending(mut self, ending: Ending) -> Self {
+        self.ending = ending;
+        self
+    }
+
     /// Ends the trace. `complete` is false if it was cut short: then [`Ending::Finite`] is treated as
     /// [`Ending::Inconclusive`].
     #[must_use]
