@@ -303,12 +303,16 @@ fn draft(
     let mut noted = lineage.noted(&left.id, &right.id, subject);
     let of_one = [left, right]
         .into_iter()
-        .filter(|it| it.technique.is_of_system() && it.is_of_one_subject());
-    noted.extend(of_one.map(|it| {
-        format!(
+        .filter(|it| it.is_of_one_subject());
+    noted.extend(of_one.map(|it| match it.technique.is_of_system() {
+        true => format!(
             "all trials of {} are of one person or session, of whom alone this is said",
             it.id
-        )
+        ),
+        false => format!(
+            "all trials of {} are of one cluster, and together worth one trial of how others go",
+            it.id
+        ),
     }));
     noted.extend(runs::total_unknown(sides.0, sides.1));
     match runs::triggers(sides.0, sides.1, margin, &study.levels) {

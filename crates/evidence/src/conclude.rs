@@ -330,15 +330,19 @@ pub(crate) fn latest_of_each_technique(
     evidence: &[Evidence],
     counts: impl Fn(&Evidence) -> bool,
 ) -> Vec<usize> {
+    // What is of one person, session or other cluster decides nothing of others, so it chooses no conditions either.
+    let tells = |piece: &Evidence| !piece.is_of_one_subject();
     let mut by_conditions: BTreeMap<&str, BTreeMap<Technique, usize>> = BTreeMap::new();
     for (index, piece) in evidence.iter().enumerate() {
         if stands_for_itself(piece) && counts(piece) {
             let latest = by_conditions.entry(&piece.conditions).or_default();
-            latest.insert(piece.technique, index);
+            // Nor does it take the place of what tells of others.
+            match latest.get(&piece.technique) {
+                Some(known) if tells(&evidence[*known]) && !tells(piece) => {}
+                _ => _ = latest.insert(piece.technique, index),
+            }
         }
     }
-    // Trials of one person or session, which decide nothing of the system, choose no conditions either.
-    let tells = |piece: &Evidence| !is_trial(piece) || !piece.is_of_one_subject();
     let is_tried = |conditions: &str| {
         let mut trials = evidence.iter().filter(|piece| is_trial(piece));
         trials.any(|piece| piece.conditions == conditions && tells(piece))

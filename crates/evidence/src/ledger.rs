@@ -304,12 +304,25 @@ impl Evidence {
         self.findings.iter().find(|f| &f.subject == subject)
     }
 
-    /// Whether all its trials are of one person or session, which the study does not declare to stand for all: its figures are
+    /// Whether all its trials are of one person, session or other cluster, which the study does not declare to stand for all: its figures are
     /// of this one alone, whatever their number, and say nothing of how others differ.
     #[must_use]
     pub fn is_of_one_subject(&self) -> bool {
         let clusters = self.clusters.as_ref();
         clusters.is_some_and(|it| it.subjects == 1 && it.one_for_all.is_none())
+    }
+
+    /// The same of trials that are not of the system itself.
+    pub(crate) fn is_simulated_of_one(&self) -> bool {
+        self.is_of_one_subject() && !self.technique.is_of_system()
+    }
+
+    /// The one whose all its trials are, in words: of the system a person or session, of a simulation whatever makes runs alike.
+    pub(crate) fn one_subject(&self) -> &'static str {
+        match self.technique.is_of_system() {
+            true => "one person or session",
+            false => "one cluster",
+        }
     }
 }
 

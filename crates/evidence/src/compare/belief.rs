@@ -93,7 +93,7 @@ impl Computed {
     /// What a finding of a piece says of its rate; computed probabilities of one piece and subject are the same each time.
     pub fn belief(&self, piece: &Evidence, finding: &Finding) -> Result<Belief, String> {
         let Measure::Probability { .. } = finding.measure else {
-            return Belief::of_finding(finding);
+            return Belief::of_piece(piece, finding);
         };
         let key = (piece.id.clone(), finding.subject.clone());
         let mut known = self.0.borrow_mut();
@@ -134,6 +134,38 @@ impl Belief {
                 completions: Some(ends.into()),
             },
             other => other,
+        }
+    }
+
+    /// What a finding of a piece says of its rate.
+    pub fn of_piece(piece: &Evidence, finding: &Finding) -> Result<Self, String> {
+        let belief = Self::of_finding(finding);
+        match piece.is_simulated_of_one() {
+            true => belief.and_then(Self::of_one),
+            false => belief,
+        }
+    }
+
+    /// What simulated runs of one cluster say of others: how others differ is not known, so that all are worth one run.
+    fn of_one(self) -> Result<Self, String> {
+        match self {
+            Self::Counts {
+                sample,
+                completions,
+                ..
+            } => {
+                let one = EffectiveSample::at_size(sample, 1.0);
+                let ends: Option<Result<Vec<Self>, String>> =
+                    completions.map(|all| all.iter().cloned().map(Self::of_one).collect());
+                Ok(Self::Counts {
+                    sample,
+                    effective: one.map_err(|error| error.to_string())?,
+                    clusters: None,
+                    before: None,
+                    completions: ends.transpose()?.map(Into::into),
+                })
+            }
+            other => Ok(other),
         }
     }
 

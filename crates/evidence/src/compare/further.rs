@@ -289,6 +289,10 @@ fn plans(
     let piece = |id: &str| study.evidence.iter().find(|piece| piece.id == id);
     let belief = |piece: &Evidence| Belief::of_finding(piece.finding(&comparison.subject)?).ok();
     let (first, second) = (piece(&comparison.left)?, piece(&comparison.right)?);
+    if first.is_simulated_of_one() || second.is_simulated_of_one() {
+        comparison.reason += " More runs of the same cluster tell nothing of others.";
+        return None;
+    }
     let sides = ((first, belief(first)?), (second, belief(second)?));
     // What a plan promises would rest on runs of which nobody knows what they showed.
     if let Some(why) = not_planned([&sides.0.1, &sides.1.1]) {

@@ -135,7 +135,7 @@ fn pieces<'a>(evidence: &'a [Evidence], subject: &Subject) -> Vec<(&'a Evidence,
     for piece in evidence {
         let belief = piece
             .finding(subject)
-            .and_then(|f| Belief::of_finding(f).ok());
+            .and_then(|f| Belief::of_piece(piece, f).ok());
         if let (Some(belief), false, None) = (belief, piece.intermediate, &piece.reproduced_by) {
             by_conditions
                 .entry(&piece.conditions)

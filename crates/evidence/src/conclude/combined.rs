@@ -311,9 +311,10 @@ fn chosen<'a>(
         let weight = weights.of(&id);
         let reason = match piece.belief.worth_in_counts() {
             _ if weight <= 0.0 => "has a declared weight of 0",
-            Some(_) if is_trial(piece.evidence) && piece.evidence.is_of_one_subject() => {
-                "is of one person or session alone"
-            }
+            Some(_) if piece.evidence.is_of_one_subject() => match is_trial(piece.evidence) {
+                true => "is of one person or session alone",
+                false => "is of one cluster alone",
+            },
             Some(_) if are_several && piece.belief.has_undecided() => {
                 "has runs that count both ways (without a verdict, or reported twice)"
             }

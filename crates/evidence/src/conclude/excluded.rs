@@ -47,7 +47,8 @@ pub(super) fn excluded(
             };
             let hidden = reason == ExclusionReason::Intermediate && is_trial(piece);
             let with_it = hidden.then(|| verdict_with(study, asked, level, index));
-            let words = words(&piece.id, &reason) + unused_declaration(asked, piece, &reason);
+            let words = words(&piece.id, &reason, piece.one_subject())
+                + unused_declaration(asked, piece, &reason);
             Some(Excluded {
                 words,
                 evidence: piece.id.clone(),
@@ -266,7 +267,7 @@ fn verdict_with(study: &Study<'_>, asked: &Asked<'_>, level: &Level, index: usiz
     ladder::decide(&with.judge(&level), &with.conflicts())
 }
 
-fn words(id: &str, reason: &ExclusionReason) -> String {
+fn words(id: &str, reason: &ExclusionReason, one: &str) -> String {
     match reason {
         ExclusionReason::Intermediate => format!("{id} is marked as intermediate."),
         ExclusionReason::Superseded(by) => {
@@ -282,8 +283,9 @@ fn words(id: &str, reason: &ExclusionReason) -> String {
             format!("{id} does not decide beside the other trials: {why}.")
         }
         ExclusionReason::OneSubject => format!(
-            "{id} does not decide: all its trials are of one person or session, and nothing says that this one stands for all. \
-             Add trials with others, or say why in ledger.toml: `tables.one_for_all = \"...\"`."
+            "{id} does not decide: all its trials are of {}, and nothing says that this one stands for all. \
+             Add trials with others, or say why in ledger.toml: `tables.one_for_all = \"...\"`.",
+            one
         ),
         ExclusionReason::NoNumber(why) => format!("{id} has a number, but {why}."),
         ExclusionReason::NotExpressible(why) => because(&format!("{id} cannot express it"), why),

@@ -93,7 +93,10 @@ impl<'a> Asked<'a> {
             .collect();
         let decides = pieces
             .iter()
-            .map(|piece| !is_trial(piece.evidence) || free.contains(&piece.evidence.id.as_str()))
+            .map(|piece| match is_trial(piece.evidence) {
+                true => free.contains(&piece.evidence.id.as_str()),
+                false => may_decide(piece.evidence, threshold),
+            })
             .collect();
         Self {
             requirement,
@@ -232,24 +235,24 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// Whether evidence may decide a requirement of the system: trials of one person or session tell of this one alone, but for
-/// certainty, which one violation refutes, whoever's it is.
+/// Whether evidence may decide a requirement: what is of one person, session or other cluster tells of this one alone, whether
+/// the system was tried or simulated, but for certainty, which one violation refutes, whoever's it is.
 fn may_decide(piece: &Evidence, threshold: Threshold) -> bool {
-    !is_trial(piece) || !piece.is_of_one_subject() || is_certainty(threshold)
+    !piece.is_of_one_subject() || is_certainty(threshold)
 }
 
-/// Whose figure it is, where all trials of the system are of one person or session.
+/// Whose figure it is, where all trials are of one person, session or other cluster.
 fn of_one_subject(piece: &Evidence) -> String {
     let declared = piece
         .clusters
         .as_ref()
         .and_then(|it| it.one_for_all.as_ref());
+    let one = piece.one_subject();
     match declared {
-        _ if !is_trial(piece) => String::new(),
         Some(because) => {
-            format!(", of one person or session, declared to stand for all (\"{because}\")")
+            format!(", of {one}, declared to stand for all (\"{because}\")")
         }
-        None if piece.is_of_one_subject() => ", of one person or session alone".to_owned(),
+        None if piece.is_of_one_subject() => format!(", of {one} alone"),
         None => String::new(),
     }
 }

@@ -15,8 +15,8 @@
 //! | satisfied | in simulation, for the model | one supports it |
 //! | undecided | none | else |
 //!
-//! Trials that rest on other trials decide nothing beside these, and trials of one person or session alone nothing of the
-//! system, unless the study declares that this one stands for all ([`crate::Evidence::is_of_one_subject`]).
+//! Trials that rest on other trials decide nothing beside these, and trials or simulated runs of one person, session or other
+//! cluster alone nothing of others, unless the study declares that this one stands for all ([`crate::Evidence::is_of_one_subject`]).
 //!
 //! A piece *conflicts* with another where the comparison of both says so (`compare`) and they are independent. That one
 //! supports and another denies is no conflict by itself: their rates may lie close on either side of the threshold.
@@ -128,7 +128,9 @@ fn stand_differently(judged: &[&Judged], conflicts: &[(String, String)]) -> bool
 
 /// The highest step on which a piece stands so.
 fn highest(judged: &[&Judged], wanted: Standing) -> Option<Step> {
-    let so = judged.iter().filter(|it| it.standing.standing == wanted);
+    let so = judged
+        .iter()
+        .filter(|it| it.decides && it.standing.standing == wanted);
     so.map(|it| it.standing.step).max()
 }
 

@@ -137,8 +137,9 @@ fn why_not_planned(
             }
         },
         Some(piece) if piece.evidence.is_of_one_subject() => format!(
-            "All trials of {} are of one person or session; more of the same one decide nothing of others.",
-            piece.evidence.id
+            "All trials of {} are of {}; more of the same one decide nothing of others.",
+            piece.evidence.id,
+            piece.evidence.one_subject()
         ),
         Some(piece) if piece.belief.has_undecided() && piece.belief.undecided() == 0 => format!(
             "Recordings of {} with the same messages count once and each: which is right has to be found out before further trials \

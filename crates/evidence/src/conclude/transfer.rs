@@ -151,6 +151,14 @@ fn anchor(
             is_conflict: true,
         });
     }
+    if is_of_one_subject(study.evidence, &declared.evidence)
+        || is_of_one_subject(study.evidence, model)
+    {
+        return Err(none(format!(
+            "all runs of {} are of one cluster, of which alone they tell",
+            declared.evidence
+        )));
+    }
     let widest = with_trials.iter().map(|(it, _)| it.margin);
     let widest = widest.fold(0.0, f64::max);
     if let Some(width) = width_of_range(study.evidence, model, &subject)

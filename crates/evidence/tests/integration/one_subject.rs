@@ -5,7 +5,16 @@ use crate::support::{at_least, counts, exact, piece, requirement, subject};
 use evidence::*;
 
 fn of_one(id: &str, count: u64, trials: u64, because: Option<&str>) -> Evidence {
-    let mut piece = piece(id, Technique::Experiment, vec![(0, counts(count, trials))]);
+    one_by(Technique::Experiment, id, (count, trials), because)
+}
+
+fn one_by(
+    technique: Technique,
+    id: &str,
+    (count, trials): (u64, u64),
+    because: Option<&str>,
+) -> Evidence {
+    let mut piece = piece(id, technique, vec![(0, counts(count, trials))]);
     let one = ClusterTests {
         effective_trials: trials as f64,
         subjects: 1,
@@ -19,6 +28,7 @@ struct Judged {
     conclusion: Conclusion,
     pooled: Combined,
     synthesis: Synthesis,
+    comparisons: Vec<Comparison>,
 }
 
 fn judged(ledger: &[Evidence], threshold: f64) -> Judged {
@@ -46,6 +56,7 @@ fn judged(ledger: &[Evidence], threshold: f64) -> Judged {
         conclusion: conclusions[0].clone(),
         pooled,
         synthesis,
+        comparisons,
     }
 }
 
@@ -164,4 +175,95 @@ fn no_agreement_with_one_person_carries_a_model_over_to_the_system() {
     };
     assert_eq!(decided(Some("one arm")), Some(Step::Corroborated));
     assert_eq!(decided(None), Some(Step::Model));
+}
+
+/// Simulated runs of one cluster, as of one task of a learned policy, satisfy and refute nothing, conflict with nothing beyond
+/// the one trial that they are worth, and take no place; a reason lets them.
+#[test]
+fn simulated_runs_of_one_cluster_decide_nothing_either() {
+    let one = |count, because| one_by(Technique::Simulation, "S", (count, 200), because);
+    let several = |count| piece("T", Technique::Simulation, vec![(0, counts(count, 200))]);
+    for (count, with_a_reason) in [(200, Verdict::Satisfied), (0, Verdict::Violated)] {
+        let found = judged(&[one(count, None)], 0.9);
+        let conclusion = &found.conclusion;
+        assert_eq!(
+            (conclusion.verdict, conclusion.step),
+            (Verdict::Undecided, None),
+            "{conclusion:?}"
+        );
+        let left_out = &conclusion.excluded[0];
+        assert_eq!(left_out.reason, ExclusionReason::OneSubject);
+        assert!(left_out.words.contains("of one cluster"), "{left_out:?}");
+        assert!(found.pooled.interval.is_none(), "{:?}", found.pooled);
+        assert!(found.synthesis.deciding.is_empty());
+
+        let declared = judged(&[one(count, Some("one task is all"))], 0.9).conclusion;
+        assert_eq!(declared.verdict, with_a_reason, "{declared:?}");
+
+        // Later than runs of several, and the other way round.
+        let rest = judged(&[several(200 - count)], 0.9).conclusion;
+        let after = judged(&[several(200 - count), one(count, None)], 0.9).conclusion;
+        assert_eq!(
+            (after.verdict, after.step),
+            (rest.verdict, rest.step),
+            "{after:?}"
+        );
+        // Beside a model that computes the contrary, and trials of the system.
+        // One run may go either way with both of its rates.
+        let often = if count == 0 { 170 } else { 60 };
+        let rate = often as f64 / 200.0;
+        let model = piece("M", Technique::ModelChecking, vec![(0, exact(rate))]);
+        let trials = piece("F", Technique::Experiment, vec![(0, counts(often, 200))]);
+        for other in [model, trials] {
+            let alone = judged(std::slice::from_ref(&other), 0.9).conclusion;
+            let both = judged(&[one(count, None), other.clone()], 0.9);
+            assert_eq!(
+                both.conclusion.verdict,
+                alone.verdict,
+                "{both:?}",
+                both = both.conclusion
+            );
+            let declared = judged(&[one(count, Some("one task is all")), other], 0.9);
+            let conflicts = |it: &Judged| {
+                it.comparisons
+                    .iter()
+                    .any(|it| it.outcome == Outcome::Conflicts)
+            };
+            assert!(!conflicts(&both) && conflicts(&declared));
+        }
+    }
+    let mut there = one(0, None);
+    there.conditions = "wet".into();
+    let alone = judged(&[several(200)], 0.9).conclusion;
+    let both = judged(&[several(200), there], 0.9).conclusion;
+    assert_eq!(both.verdict, alone.verdict, "{both:?}");
+}
+
+#[test]
+fn simulated_runs_of_one_cluster_carry_nothing_over_to_the_system() {
+    let step = |because| {
+        let mut runs = one_by(Technique::Simulation, "S", (194, 200), because);
+        runs = runs.found(Finding::new(subject(1), counts(194, 200)));
+        let trials = piece("F", Technique::Experiment, vec![(0, counts(388, 400))]);
+        let ledger = [runs, trials];
+        let influences = Influences::learn(&ledger);
+        let mut asked = requirement(1, at_least(0.8));
+        asked.carries_over = vec![CarryOver {
+            evidence: "S".into(),
+            shown_by: "S".into(),
+            on: subject(0),
+            because: "the same arm".into(),
+        }];
+        let study = Study {
+            requirements: &[requirement(0, None), asked],
+            failure_modes: &[],
+            evidence: &ledger,
+            influences: &influences,
+            looks: None,
+            levels: Levels::new(0.95, 0.95).expect("levels"),
+        };
+        conclude(&study, &compare(&study))[1].step
+    };
+    assert_eq!(step(Some("one task is all")), Some(Step::Corroborated));
+    assert_eq!(step(None), None);
 }

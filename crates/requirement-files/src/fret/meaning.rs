@@ -7,17 +7,22 @@
 //!   holds nowhere);
 //! * *runs that end*: both hold of the same words that end (FRET's `ptExpanded` at the last position, and `ftExpanded` at the
 //!   first). Here FRET excuses what could still have come in time, and a sentence of ours does not: what a monitor says of an
-//!   unfinished recording is a matter of its ending.
+//!   unfinished recording is a matter of its ending. So a formula that holds where the sentence does not is an *excuse*; one that
+//!   does not hold where the sentence does is a difference as any other, and is looked for first.
 //!
 //! # Method
-//! All words up to a length that the number of letters allows, short ones first; then drawn ones whose letters stay for as long
-//! as durations last, one more and one less, so that every bound is met from both sides. Letters are all valuations where those
-//! are few, else of every combination of the sentence's parts and their operands two valuations. A word that tells them apart is made as short and
-//! as false as it goes.
+//! Letters are valuations, one of each combination of truths of the largest parts without time of both sides: what else differs
+//! in a letter changes neither side. Up to [`ALL_VALUATIONS`] names all valuations are looked at, so that a word over the letters
+//! stands for every word; of more names those in which all or none hold but for one or two, drawn ones, and the neighbours of
+//! those that were found.
+//!
+//! All words up to a length that the number of letters allows, short ones first; then words of one letter but for one position;
+//! then drawn ones whose letters stay for as long as durations last, one more and one less, so that every bound is met from both
+//! sides. A word that tells them apart is made as short and as false as it goes.
 //!
 //! # Guarantee
 //! A word that is shown tells them apart (each truth is computed by the definition of its side). That none was found is no
-//! proof: how many words were tried, and up to which length all, is said. Comparisons count as independent: a word may have
+//! proof: how many words were tried, and up to which length all over both sides' names, is said. Comparisons count as independent: a word may have
 //! `x > 1` and `x < 0` at once.
 //!
 //! # Cost
@@ -28,6 +33,7 @@ use super::words::{Atoms, Node, Word};
 use requirement_lang::expression::Expression;
 use requirement_lang::semantics::{Word as SentenceWord, holds};
 use requirement_lang::sentence::{Amount, Sentence};
+use std::collections::BTreeSet;
 
 /// The longest duration in time points.
 pub const LONGEST: usize = 1_000;
@@ -38,7 +44,11 @@ const ALL_WORDS: usize = 3_000;
 /// How many drawn ones, at most, and steps of work on them.
 const DRAWN_WORDS: usize = 1_500;
 const WORK: usize = 60_000_000;
-const MOST_LETTERS: usize = 24;
+const MOST_LETTERS: usize = 512;
+/// Up to so many names all valuations are looked at.
+const ALL_VALUATIONS: usize = 16;
+/// The most words of one letter but for one position.
+const BUT_FOR_ONE: usize = 2_000;
 
 /// What a comparison came to.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +57,7 @@ pub enum Comparison {
     Same {
         /// How many words were tried.
         words: usize,
-        /// Up to this length, all words over the chosen letters were.
+        /// Up to this length, all words over the names of both sides were, each or one that both sides judge like it.
         all_up_to: usize,
     },
     /// They differ.
@@ -69,6 +79,14 @@ pub struct Trace {
     pub formula: bool,
     /// Which of FRET's formulas.
     pub formula_name: &'static str,
+}
+
+impl Trace {
+    /// Whether FRET's formula excuses, on a run that ends, what the sentence asks for.
+    #[must_use]
+    pub fn is_excuse(&self) -> bool {
+        self.repeats_from.is_none() && self.formula && !self.sentence
+    }
 }
 
 impl std::fmt::Display for Trace {
@@ -120,8 +138,32 @@ pub(crate) fn compared(
     ends: bool,
 ) -> Comparison {
     match Setup::new(sentence, definitions, step_secs, formulas, ends) {
-        Ok(setup) => setup.compare(),
+        Ok(mut setup) => setup.compare(),
         Err(reason) => Comparison::NotCompared(reason),
+    }
+}
+
+/// An expression of a sentence, with what its atoms are.
+fn node_of(expression: &Expression, own: &[(String, Node)]) -> Node {
+    let not = |node: Node| Node::Not(Box::new(node));
+    let one = |it: &Expression| Box::new(node_of(it, own));
+    let all = |all: &[Expression], join: fn(Box<Node>, Box<Node>) -> Node| {
+        let nodes = all.iter().map(|it| node_of(it, own));
+        let joined = nodes.reduce(|left, right| join(Box::new(left), Box::new(right)));
+        joined.unwrap_or(Node::Constant(true))
+    };
+    match expression {
+        Expression::True | Expression::Missing => Node::Constant(true),
+        Expression::False => Node::Constant(false),
+        Expression::Atom(atom) => {
+            let known = own.iter().find(|(text, _)| *text == atom.text);
+            known.map_or(Node::Constant(false), |(_, node)| node.clone())
+        }
+        Expression::Not(inner) => Node::Not(one(inner)),
+        Expression::And(parts) => all(parts, Node::And),
+        Expression::Or(parts) => all(parts, Node::Or),
+        Expression::Implies(left, right) => Node::Or(Box::new(not(*one(left))), one(right)),
+        Expression::Iff(left, right) => Node::Iff(one(left), one(right)),
     }
 }
 
@@ -130,9 +172,13 @@ struct Setup<'s> {
     step_secs: f64,
     /// What each atom of the sentence is.
     own: Vec<(String, Node)>,
+    /// Its expressions.
+    expressions: Vec<Node>,
     formulas: Vec<(&'static str, Node, bool)>,
     atoms: Atoms,
     ends: bool,
+    /// Whether only words are looked for in which the sentence holds and a formula does not.
+    drift_alone: bool,
     memory: (usize, usize),
     longest: usize,
 }
@@ -204,13 +250,17 @@ impl<'s> Setup<'s> {
         if longest > LONGEST {
             return Err(format!("a duration is longer than {LONGEST} time points"));
         }
+        let expressions = sentence.expressions().into_iter();
+        let expressions = expressions.map(|it| node_of(it, &own)).collect();
         Ok(Self {
             sentence,
             step_secs,
             own,
+            expressions,
             formulas: read,
             atoms,
             ends,
+            drift_alone: false,
             memory,
             longest,
         })
@@ -241,21 +291,37 @@ impl<'s> Setup<'s> {
                 true => values.last(),
                 false => values.first(),
             };
-            last = (sentence, value.copied().unwrap_or(true), name);
-            if last.0 != last.1 {
-                break;
+            let value = value.copied().unwrap_or(true);
+            // A formula that is weaker is passed over where only one that is stricter is looked for.
+            if sentence != value && (sentence || !self.drift_alone) {
+                return (sentence, value, name);
             }
+            last = (sentence, sentence, name);
         }
         last
     }
 
+    /// Whether a word tells them apart as it is asked.
     fn differs(&self, word: &Word) -> bool {
         let (sentence, formula, _) = self.truths(word);
         sentence != formula
     }
 
-    fn compare(&self) -> Comparison {
-        let letters = self.letters();
+    /// On words that end, first a word in which the sentence holds and a formula does not: such a one excuses nothing.
+    fn compare(&mut self) -> Comparison {
+        if self.ends {
+            self.drift_alone = true;
+            let drift = self.search();
+            if let Comparison::Differs(_) = drift {
+                return drift;
+            }
+            self.drift_alone = false;
+        }
+        self.search()
+    }
+
+    fn search(&self) -> Comparison {
+        let (letters, are_all) = self.letters();
         let mut tried = 0;
         let mut all_up_to = 0;
         for length in 1..=6 {
@@ -285,7 +351,9 @@ impl<'s> Setup<'s> {
                     }
                 }
             }
-            all_up_to = length;
+            if are_all {
+                all_up_to = length;
+            }
         }
         let mut draw = Draw(0x5eed);
         let long = 3 * (self.longest + 3) + self.memory.1;
@@ -295,6 +363,9 @@ impl<'s> Setup<'s> {
             .into_iter()
             .take(2 * most / 3);
         let mut words: Vec<Word> = around.collect();
+        let but_for_one = self.but_for_one(&letters);
+        let most = most + but_for_one.len();
+        words.extend(but_for_one);
         while words.len() < most {
             words.push(self.drawn(&letters, &mut draw));
         }
@@ -317,56 +388,74 @@ impl<'s> Setup<'s> {
         }
     }
 
-    /// The letters of which words are made.
-    fn letters(&self) -> Vec<u64> {
+    /// The letters of which words are made, and whether every valuation is judged like one of them.
+    fn letters(&self) -> (Vec<u64>, bool) {
         let count = self.atoms.texts.len();
-        if count <= 3 {
-            return (0..1_u64 << count).collect();
-        }
-        let parts = self.parts();
-        let mut draw = Draw(7);
         let mask = (1_u64 << count) - 1;
-        let valuations: Vec<u64> = match count <= 12 {
-            true => (0..1_u64 << count).collect(),
-            false => (0..4096).map(|at| draw.biased(at) & mask).collect(),
-        };
-        let key = |letter: u64| -> Vec<bool> {
-            let truths = parts.iter().map(|part| self.now(part, letter));
-            truths.collect()
-        };
-        // One of each kind, and then another of it, from the other end.
-        let mut letters = first_of_each(valuations.iter().copied(), &key);
-        letters.extend(first_of_each(valuations.iter().rev().copied(), &key));
-        letters.sort_unstable();
-        letters.dedup();
-        letters
+        let parts = self.parts();
+        let mut valuations = Vec::new();
+        for base in [0, mask] {
+            valuations.push(base);
+            for one in 0..count {
+                valuations.push(base ^ (1 << one));
+            }
+        }
+        if count <= ALL_VALUATIONS {
+            valuations.extend(0..=mask);
+            let letters = first_of_each(&valuations, &parts);
+            let are_all = letters.len() < MOST_LETTERS;
+            return (letters, are_all);
+        }
+        for base in [0, mask] {
+            for one in 0..count {
+                valuations.extend((0..one).map(|other| base ^ (1 << one) ^ (1 << other)));
+            }
+        }
+        let mut draw = Draw(7);
+        valuations.extend((0..4096).map(|at| draw.biased(at) & mask));
+        let mut letters = first_of_each(&valuations, &parts);
+        for _ in 0..3 {
+            let near = letters.iter().flat_map(|letter| {
+                let beside = (0..count).map(move |bit| letter ^ (1 << bit));
+                std::iter::once(*letter).chain(beside)
+            });
+            let near: Vec<u64> = letters.iter().copied().chain(near).collect();
+            letters = first_of_each(&near, &parts);
+        }
+        (letters, false)
     }
 
-    /// The parts of the sentence, with their operands and the operands of those.
-    fn parts(&self) -> Vec<&Expression> {
-        const MOST: usize = 10;
-        let mut parts = self.sentence.expressions();
-        let mut from = 0;
-        for _ in 0..2 {
-            let deeper: Vec<&Expression> =
-                parts[from..].iter().flat_map(|it| it.operands()).collect();
-            from = parts.len();
-            parts.extend(deeper);
+    /// The largest parts of both sides in which nothing depends on time.
+    fn parts(&self) -> Vec<&Node> {
+        let mut parts = Vec::new();
+        let expressions = self.expressions.iter();
+        let formulas = self.formulas.iter().map(|(_, node, _)| node);
+        for node in expressions.chain(formulas) {
+            node.timeless(&mut parts);
         }
-        parts.truncate(MOST);
         parts
     }
 
-    /// The truth of a part of the sentence in a word of one letter.
-    fn now(&self, part: &Expression, letter: u64) -> bool {
-        let word = Word {
-            letters: vec![letter],
-            repeats_from: Some(0),
-        };
-        part.eval(&|text| {
-            let atom = self.own.iter().find(|(known, _)| known == text);
-            atom.is_some_and(|(_, node)| node.truth(&word)[0])
-        })
+    /// Words of one letter in which another stands at one position.
+    fn but_for_one(&self, letters: &[u64]) -> Vec<Word> {
+        const LENGTH: usize = 4;
+        let mut words = Vec::new();
+        for one in letters.iter().take(64) {
+            for other in letters.iter().take(64).filter(|it| *it != one) {
+                for at in 0..LENGTH {
+                    let mut letters = vec![*other; LENGTH];
+                    letters[at] = *one;
+                    let from = if at + 1 < LENGTH { LENGTH - 1 } else { 0 };
+                    words.push(Word {
+                        letters,
+                        repeats_from: (!self.ends).then_some(from),
+                    });
+                }
+            }
+        }
+        // Evenly from all, with a step that has no factor in common with their order.
+        let step = (words.len().div_ceil(BUT_FOR_ONE)) | 1;
+        words.into_iter().step_by(step).collect()
     }
 
     /// Words in which one letter stays for just about as long as the longest duration, and another follows.
@@ -461,18 +550,21 @@ impl<'s> Setup<'s> {
     }
 }
 
-/// The first letter of each kind, as far as there is room.
-fn first_of_each(letters: impl Iterator<Item = u64>, kind: &dyn Fn(u64) -> Vec<bool>) -> Vec<u64> {
-    let mut seen: Vec<Vec<bool>> = Vec::new();
+/// The first valuation of each combination of truths of these, as far as there is room.
+fn first_of_each(valuations: &[u64], parts: &[&Node]) -> Vec<u64> {
+    let all = Word {
+        letters: valuations.to_vec(),
+        repeats_from: None,
+    };
+    let truths: Vec<Vec<bool>> = parts.iter().map(|part| part.truth(&all)).collect();
+    let mut seen: BTreeSet<Vec<bool>> = BTreeSet::new();
     let mut chosen = Vec::new();
-    for letter in letters {
-        if chosen.len() >= MOST_LETTERS / 2 {
+    for (at, letter) in valuations.iter().enumerate() {
+        if chosen.len() >= MOST_LETTERS {
             break;
         }
-        let kind = kind(letter);
-        if !seen.contains(&kind) {
-            seen.push(kind);
-            chosen.push(letter);
+        if seen.insert(truths.iter().map(|it| it[at]).collect()) {
+            chosen.push(*letter);
         }
     }
     chosen

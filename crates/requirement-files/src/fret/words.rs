@@ -199,6 +199,34 @@ impl Node {
         }
     }
 
+    /// Its largest parts in which nothing depends on time; whether it is one itself.
+    pub(crate) fn timeless<'n>(&'n self, parts: &mut Vec<&'n Self>) -> bool {
+        let before = parts.len();
+        let is_one = match self {
+            Self::Constant(_) | Self::Atom(_) => true,
+            Self::Last | Self::First => false,
+            Self::Not(inner) => inner.timeless(parts),
+            Self::And(left, right) | Self::Or(left, right) | Self::Iff(left, right) => {
+                let both = [left.timeless(parts), right.timeless(parts)];
+                both == [true, true]
+            }
+            Self::Next(inner) | Self::Before(_, inner) => {
+                inner.timeless(parts);
+                false
+            }
+            Self::Until(_, left, right) | Self::Since(_, left, right) => {
+                left.timeless(parts);
+                right.timeless(parts);
+                false
+            }
+        };
+        if is_one {
+            parts.truncate(before);
+            parts.push(self);
+        }
+        is_one
+    }
+
     /// The truth at each position.
     pub(crate) fn truth(&self, word: &Word) -> Vec<bool> {
         let length = word.letters.len();

@@ -277,3 +277,55 @@ fn probabilities_of_a_response_and_of_a_run_are_told_apart() {
     );
     assert!(other.probability.is_some());
 }
+
+/// Of few names and of many: an operand that one side does not have is found, and the same is found to be the same.
+#[test]
+fn a_single_operand_tells_apart() {
+    let of = |text: &str, formula: &str| {
+        let read = parse(text, &Context::default());
+        assert!(!read.has_errors(), "{text}");
+        let formulas = Formulas {
+            infinite: Some(formula.into()),
+            ..Formulas::default()
+        };
+        compare(&read.tree, &formulas, None, None).runs
+    };
+    for count in [2, 5, 6, 9, 12, 24] {
+        let names: Vec<String> = (0..count).map(|at| format!("a{at}")).collect();
+        let dropped = count / 2;
+        let mut fewer = names.clone();
+        fewer.remove(dropped);
+        let mut negated = names.clone();
+        negated[dropped] = format!("(! {})", negated[dropped]);
+        for (sign, place) in [("&", 0), ("|", 1)] {
+            let join = |all: &[String]| format!("({})", all.join(&format!(" {sign} ")));
+            let all = join(&names);
+            let forms = [
+                (format!("always satisfy {all}"), "(G PART)"),
+                (format!("always satisfy {all} => b"), "(G (PART -> b))"),
+                (format!("until {all} satisfy b"), "(PART V (b | PART))"),
+                (format!("eventually satisfy {all}"), "(F PART)"),
+            ];
+            for (at, (text, formula)) in forms.into_iter().enumerate() {
+                let text = format!("The robot shall {text}");
+                for other in [join(&fewer), join(&negated)] {
+                    let formula = formula.replace("PART", &other);
+                    let found = of(&text, &formula);
+                    assert!(
+                        matches!(found, Comparison::Differs(_)),
+                        "{text} against {formula}: {found:?}"
+                    );
+                }
+                // That they are the same takes longest: each form once with few names and once with many.
+                if (count + place) % 4 == at {
+                    let same = of(&text, &formula.replace("PART", &all));
+                    let Comparison::Same { all_up_to, .. } = same else {
+                        panic!("{text}: {same:?}");
+                    };
+                    // Of more names not even all letters were looked at.
+                    assert_eq!(all_up_to > 0, count <= 12, "{text}: {all_up_to}");
+                }
+            }
+        }
+    }
+}
