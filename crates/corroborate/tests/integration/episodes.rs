@@ -209,6 +209,7 @@ fn what_cannot_be_counted_is_refused_with_its_place() {
         let problem = run(&study).expect_err(said);
         let shown = problem.to_string();
         assert!(shown.contains(said), "no `{said}`: {shown}");
+        problem
     };
     let good = by_episode(&[true, false]);
     fails("eval_info.json", "task", &good, "do not say their task");
@@ -263,6 +264,53 @@ fn what_cannot_be_counted_is_refused_with_its_place() {
         "neither true nor false",
     );
     fails("e.csv", "task", "task,won\na,true\n", "no column `success`");
+    let again = fails(
+        "eval_info.json",
+        "episode",
+        &good
+            .replace("\"episode_ix\": 1", "\"episode_ix\": 0")
+            .replace("\"pc", "\n\"pc"),
+        "the episode 0 stands twice",
+    );
+    assert!(again.place().is_some());
+    let again = fails(
+        "eval_info.json",
+        "episode",
+        &tasks.replace("\"task_id\": 1", "\"task_id\": 0"),
+        "the task libero/0 stands twice",
+    );
+    assert!(again.place().is_some());
+    fails(
+        "eval_info.json",
+        "episode",
+        &format!("{{\"one\": {good}, \"two\": {good}}}"),
+        "`two` is the same as `one`",
+    );
+    fails(
+        "e.csv",
+        "task",
+        "task,episode,success\na,0,true\nb,0,true\na,0,true\n",
+        "the episode `0` stands twice",
+    );
+    let twice = study("eval", "checkpoint");
+    for run in ["run1", "run2"] {
+        write(&twice, &format!("eval/{run}/eval_info.json"), &good);
+    }
+    let shown = run(&twice).expect_err("a copy").to_string();
+    assert!(
+        shown.contains("run2") && shown.contains("the same bytes as"),
+        "{shown}"
+    );
+    let lines = study("set", "task");
+    write(
+        &lines,
+        "set/meta/info.json",
+        "{\"codebase_version\": \"v2.1\"}",
+    );
+    let line = "{\"episode_index\": 0, \"tasks\": [\"a\"], \"success\": true}\n";
+    write(&lines, "set/meta/episodes.jsonl", &line.repeat(2));
+    let shown = run(&lines).expect_err("twice").to_string();
+    assert!(shown.contains("line 2: the episode 0"), "{shown}");
     let three = study("set", "task");
     write(
         &three,

@@ -22,7 +22,8 @@
 //!
 //! # Guarantee
 //! What a file says of its own sums (`pc_success`, `n_episodes`) is held against its episodes. The same seed of the same task and
-//! checkpoint counts once: a second one is refused. An episode that does not say whether it succeeded is refused, not left out.
+//! checkpoint counts once: a second one is refused, as are the same episode's number or task twice in one file, and two files of
+//! the same bytes, which are one evaluation under two names. An episode that does not say whether it succeeded is refused, not left out.
 
 use super::placed::{in_row, table_problem};
 use crate::technique::files::Files;
@@ -38,6 +39,10 @@ use trace::Table;
 
 /// LeRobot's file of an evaluation.
 const EVAL_INFO: &str = "eval_info.json";
+
+/// What to do about an evaluation that is there twice.
+const COPIED: &str =
+    "leave one of them out, or put the other checkpoint's own evaluation in its place";
 
 /// The episodes as a cohort, and of what they speak.
 pub(super) struct Episodes {
@@ -74,8 +79,17 @@ pub(super) fn read(
     } else if whole.join("meta/info.json").exists() {
         episodes.extend(dataset(path, reader)?);
     } else {
+        let mut known: BTreeMap<String, PathBuf> = BTreeMap::new();
         for file in evaluations(&study.folder, path)? {
             let source = reader.text(AssetRole::Data, &file)?;
+            if let Some(first) = known.insert(source.text.clone(), file.clone()) {
+                let message = format!(
+                    "{} has the same bytes as {}: it is one evaluation under two names",
+                    file.display(),
+                    first.display()
+                );
+                return Err(bad(&source, "", message).remedy(COPIED));
+            }
             let below = file.strip_prefix(path).unwrap_or(&file);
             episodes.extend(evaluation(
                 &source,
@@ -200,12 +214,19 @@ fn evaluation(source: &Source, checkpoint: &str) -> Result<Vec<Episode>, Problem
         return one_evaluation(source, &root, checkpoint);
     }
     let mut episodes = Vec::new();
+    let mut known: Vec<(&String, &Value)> = Vec::new();
     for (name, inner) in root
         .as_object()
         .into_iter()
         .flatten()
         .filter(|(_, it)| is_one(it))
     {
+        if let Some((first, _)) = known.iter().find(|(_, it)| *it == inner) {
+            let message =
+                format!("`{name}` is the same as `{first}`: it is one evaluation under two names");
+            return Err(bad(source, name, message).remedy(COPIED));
+        }
+        known.push((name, inner));
         episodes.extend(one_evaluation(
             source,
             inner,
@@ -239,7 +260,16 @@ fn one_evaluation(
         });
     };
     if let Some(Value::Array(all)) = root.get("per_episode") {
+        let mut numbers = Vec::new();
         for (at, one) in all.iter().enumerate() {
+            if let Some(number) = one.get("episode_ix").filter(|it| !it.is_null()) {
+                once(
+                    source,
+                    &mut numbers,
+                    &format!("the episode {number}"),
+                    "\"episode_ix\"",
+                )?;
+            }
             let won = success(source, one.get("success"), &format!("episode {at}"))?;
             let seed = one.get("seed").filter(|it| !it.is_null());
             add(None, seed.map(Value::to_string), won);
@@ -247,6 +277,7 @@ fn one_evaluation(
         held_against(source, root.get("aggregated"), &episodes)?;
         return Ok(episodes);
     }
+    let mut tasks = Vec::new();
     for task in root
         .get("per_task")
         .and_then(Value::as_array)
@@ -259,6 +290,12 @@ fn one_evaluation(
             None => String::new(),
         };
         let name = format!("{}/{}", part("task_group"), part("task_id"));
+        once(
+            source,
+            &mut tasks,
+            &format!("the task {name}"),
+            "\"task_id\"",
+        )?;
         let successes = task.get("metrics").and_then(|it| it.get("successes"));
         let Some(Value::Array(successes)) = successes else {
             let message = format!("the task {name} has no `metrics.successes`");
@@ -273,6 +310,20 @@ fn one_evaluation(
     }
     held_against(source, root.get("overall"), &episodes)?;
     Ok(episodes)
+}
+
+/// Refuses what stands twice in a file; its place is that of the same key as often as there were others before.
+fn once(source: &Source, known: &mut Vec<String>, what: &str, key: &str) -> Result<(), Problem> {
+    if known.iter().any(|it| it == what) {
+        let mut places = source.text.match_indices(key);
+        let at = places.nth(known.len()).map_or(0, |(at, _)| at);
+        let message = format!("{what} stands twice: its episodes would count twice");
+        return Err(Problem::new("bad-evaluation", message)
+            .at(source, at..at + key.len())
+            .remedy("leave one of them out; if they are others, number them so"));
+    }
+    known.push(what.to_owned());
+    Ok(())
 }
 
 fn outcome(success: bool) -> Vec<(String, bool)> {
@@ -333,6 +384,7 @@ fn dataset(path: &Path, reader: &Files<'_>) -> Result<Vec<Episode>, Problem> {
     }
     let source = reader.text(AssetRole::Data, &path.join("meta/episodes.jsonl"))?;
     let mut episodes = Vec::new();
+    let mut numbers: BTreeSet<String> = BTreeSet::new();
     let mut start = 0;
     for (at, line) in source.text.split_inclusive('\n').enumerate() {
         let from = start;
@@ -341,6 +393,14 @@ fn dataset(path: &Path, reader: &Files<'_>) -> Result<Vec<Episode>, Problem> {
             continue;
         }
         let one = json(&source, from, line)?;
+        if let Some(number) = one.get("episode_index").filter(|it| !it.is_null())
+            && !numbers.insert(number.to_string())
+        {
+            let message = format!("line {}: the episode {number} stands twice", at + 1);
+            return Err(Problem::new("bad-evaluation", message)
+                .at(&source, from..from + line.trim_end().len())
+                .remedy("leave one of them out; if they are others, number them so"));
+        }
         let won = success(&source, one.get("success"), &format!("line {}", at + 1))?;
         let tasks = one.get("tasks").and_then(Value::as_array);
         let tasks = tasks.map(|all| {
@@ -378,15 +438,27 @@ fn of_table(source: &Source, cluster: &str) -> Result<Vec<Episode>, Problem> {
         }
     };
     let (tasks, seeds, checkpoints) = (texts("task")?, texts("seed")?, texts("checkpoint")?);
+    let numbers = texts("episode")?;
     let is_known = ["task", "seed", "checkpoint", "episode"].contains(&cluster);
     let others = match is_known {
         true => None,
         false => texts(cluster)?,
     };
+    let mut known = BTreeSet::new();
+    for row in 0..table.len() {
+        let names = [&numbers, &tasks, &seeds, &checkpoints, &others];
+        let key = names.map(|it| it.as_ref().map(|all| all[row]));
+        if let (Some(number), false) = (key[0], known.insert(key)) {
+            let message =
+                format!("the episode `{number}` stands twice for the same task and checkpoint");
+            return Err(in_row(&table, row, "bad-evaluation", message)
+                .remedy("leave one of them out; if they are others, number them so"));
+        }
+    }
     // Every column of truth values counts something.
     let mut outcomes: Vec<(String, Vec<bool>)> = Vec::new();
     for column in table.columns() {
-        let is_name = ["task", "seed", "checkpoint", cluster].contains(&column.header());
+        let is_name = ["task", "seed", "checkpoint", "episode", cluster].contains(&column.header());
         let mut values = Vec::new();
         for (row, cell) in column.cells().enumerate() {
             match truth(cell) {
