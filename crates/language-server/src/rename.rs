@@ -71,6 +71,7 @@ pub fn rename(
         return Ok(Replaced::new());
     }
     is_a_name(&it.thing, new)?;
+    study_is_read(workspace, path)?;
     let places = cursor::places(workspace, &it.thing, path);
     if !places.iter().any(|it| it.role == Role::Definition) {
         return Err(format!("`{old}` is not declared in the files at hand"));
@@ -105,6 +106,30 @@ fn is_a_name(thing: &Thing, new: &str) -> Result<(), String> {
         true => Ok(()),
         false => Err(format!(
             "`{new}` cannot be a name here: names are letters, digits and `_`, do not start with a digit, and are not words of the language"
+        )),
+    }
+}
+
+/// That the study's own files can be read in full, also those of which not even the mention of the thing was found.
+fn study_is_read(workspace: &Workspace, path: &Path) -> Result<(), String> {
+    let Some(study) = workspace.study_of(path) else {
+        return Ok(());
+    };
+    let files = study.files(workspace);
+    let mut files = files
+        .iter()
+        .filter(|it| it.extension().is_some_and(|it| it == "toml"));
+    files.try_for_each(|file| toml_is_read(workspace, file))
+}
+
+fn toml_is_read(workspace: &Workspace, file: &Path) -> Result<(), String> {
+    let text = workspace.read(file);
+    let mistake = text.and_then(|it| Some(line_of(&it, toml_tree::mistake(it.as_str())?)));
+    match mistake {
+        None => Ok(()),
+        Some(line) => Err(format!(
+            "{} has syntax errors (line {line}), so that names in it may be overlooked: correct them first",
+            shown(file)
         )),
     }
 }
@@ -236,6 +261,7 @@ fn elsewhere(workspace: &Workspace, from: &Path, thing: &Thing) -> Result<(), St
         if of_models_alone && !is_of_models {
             continue;
         }
+        toml_is_read(workspace, &file)?;
         if let Some(line) = names_it_otherwise(workspace, &file, thing) {
             let file = shown(&file);
             return Err(format!(

@@ -53,6 +53,14 @@ pub fn nodes(text: &str) -> Vec<Node> {
     found
 }
 
+/// Where a text is no TOML first, if it is none.
+#[must_use]
+pub fn mistake(text: &str) -> Option<usize> {
+    let (_, mistakes) = DeTable::parse_recoverable(text);
+    let places = mistakes.iter().map(|it| it.span().map_or(0, |it| it.start));
+    places.min()
+}
+
 fn of_table(table: &DeTable<'_>, path: &[String], found: &mut Vec<Node>) {
     for (key, value) in table {
         let mut path = path.to_vec();

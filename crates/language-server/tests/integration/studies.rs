@@ -279,3 +279,28 @@ fn every_mention_of_every_study_is_its_name() {
     println!("{mentions} mentions");
     assert!(mentions > 500, "only {mentions}");
 }
+
+/// Of a text with a mistake only what stands before it may be found, so that a rename would be one of a part.
+#[test]
+fn nothing_is_renamed_while_a_file_of_the_study_has_a_mistake() {
+    for broken in [
+        "ledger.toml",
+        "requirements.toml",
+        "exploration.toml",
+        "vocabulary.toml",
+    ] {
+        let (_kept, folder, _) = handover();
+        let file = folder.join(broken);
+        let text = std::fs::read_to_string(&file).expect("a text");
+        std::fs::write(&file, format!("[not\n{text}")).expect("written");
+        let mut workspace = Workspace::new(Box::new(Alone));
+        let model = folder.join("models/handover_v1.prism");
+        workspace.open(&model, &std::fs::read_to_string(&model).expect("a text"));
+        let at = place(&model, "robotState :");
+        let refused = rename::rename(&workspace, &model, at, "robot_state").expect_err(broken);
+        assert!(
+            refused.contains(broken) && refused.contains("syntax errors (line 1)"),
+            "{refused}"
+        );
+    }
+}
