@@ -66,9 +66,10 @@ fn spot(place: &Place) -> Spot {
     }
 }
 
-/// What is violated, and of which evidence conflicts, at the requirement in the study's file.
+/// What is violated, and of which evidence conflicts (as the exit code has it), at the requirement in the study's file.
 pub fn of_study(folder: &Path, result: &StudyResult) -> Vec<Alert> {
     let study = Study::load(folder).ok();
+    let spot = |subject: &Subject| study.as_ref().and_then(|study| requirement(study, subject));
     let found = result.conclusions.iter().filter_map(|conclusion| {
         let (rule, gravity) = match conclusion.verdict {
             Verdict::Violated => ("violated", Gravity::Error),
@@ -77,17 +78,20 @@ pub fn of_study(folder: &Path, result: &StudyResult) -> Vec<Alert> {
             Verdict::Satisfied | Verdict::NotCovered => return None,
         };
         let id = &conclusion.requirement;
-        let subject = Subject::Requirement(id.clone());
         Some(Alert {
             rule: rule.to_owned(),
             gravity,
             message: format!("{id}: {}", conclusion.statement),
-            spot: study
-                .as_ref()
-                .and_then(|study| requirement(study, &subject)),
+            spot: spot(&Subject::Requirement(id.clone())),
         })
     });
-    found.collect()
+    let conflicts = result.open_conflicts().into_iter().map(|open| Alert {
+        rule: "conflicting".to_owned(),
+        gravity: Gravity::Error,
+        message: format!("{}: {}", open.subject.in_words(), open.conflict_in_words()),
+        spot: spot(&open.subject),
+    });
+    found.chain(conflicts).collect()
 }
 
 /// Where a requirement stands.

@@ -284,28 +284,10 @@ fn summary(study: &Study) -> String {
 /// step below the one that the requirement needs.
 pub fn outcome(result: &StudyResult) -> Outcome {
     let verdict = |wanted: Verdict| result.conclusions.iter().any(|c| c.verdict == wanted);
-    // Of a failure mode all evidence is current on which some conclusion rests, or that none lays aside: a piece may speak of
-    // failure modes alone.
-    let is_laid_aside = |id: &String| {
-        let mut excluded = result.conclusions.iter().flat_map(|c| &c.excluded);
-        excluded.any(|it| it.evidence == *id && it.reason.lays_aside())
-    };
-    let is_current = |id: &String, subject: &Subject| {
-        let rests = |c: &Conclusion| c.rests_on.contains(id);
-        match subject {
-            Subject::Requirement(own) => {
-                let mut all = result.conclusions.iter();
-                all.any(|c| c.requirement == *own && rests(c))
-            }
-            Subject::FailureMode(_) => result.conclusions.iter().any(rests) || !is_laid_aside(id),
-        }
-    };
-    let current_conflict = result.comparisons.iter().any(|comparison| {
-        let sides = [&comparison.left, &comparison.right];
-        comparison.outcome == evidence::Outcome::Conflicts
-            && sides.iter().all(|id| is_current(id, &comparison.subject))
-    });
-    if verdict(Verdict::Violated) || verdict(Verdict::Conflicting) || current_conflict {
+    if verdict(Verdict::Violated)
+        || verdict(Verdict::Conflicting)
+        || !result.open_conflicts().is_empty()
+    {
         Outcome::Violated
     } else if result.conclusions.iter().all(Conclusion::is_enough) {
         Outcome::Holds

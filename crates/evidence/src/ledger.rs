@@ -3,7 +3,7 @@
 use crate::{
     Asset, CalibrationReport, Comparison, Conclusion, CoverageGap, DescriptionGap, Diagnosis,
     DisagreementMap, EpisodeFailures, Exploration, FailureMode, Finding, FormDifference, Interval,
-    Requirement, Subject, Suspect, Synthesis, Technique, Tool,
+    Outcome, Requirement, Subject, Suspect, Synthesis, Technique, Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -387,6 +387,32 @@ impl StudyResult {
         match &self.diagnosis {
             Some(diagnosis) => &diagnosis.suspects,
             None => &self.suspects,
+        }
+    }
+
+    /// Conflicts between current evidence, of requirements and failure modes: what exit codes, test cases and packs call a conflict. Of a
+    /// requirement a piece is current that its conclusion rests on; of a failure mode one that some conclusion rests on, or
+    /// that none lays aside, since a piece may speak of failure modes alone.
+    #[must_use]
+    pub fn open_conflicts(&self) -> Vec<&Comparison> {
+        let is_open = |it: &&Comparison| {
+            let sides = [&it.left, &it.right];
+            it.outcome == Outcome::Conflicts
+                && sides.iter().all(|id| self.is_current(id, &it.subject))
+        };
+        self.comparisons.iter().filter(is_open).collect()
+    }
+
+    fn is_current(&self, id: &String, subject: &Subject) -> bool {
+        let rests = |it: &Conclusion| it.rests_on.contains(id);
+        let mut conclusions = self.conclusions.iter();
+        match subject {
+            Subject::Requirement(own) => conclusions.any(|it| it.requirement == *own && rests(it)),
+            Subject::FailureMode(_) => {
+                let mut excluded = self.conclusions.iter().flat_map(|it| &it.excluded);
+                conclusions.any(rests)
+                    || !excluded.any(|it| it.evidence == *id && it.reason.lays_aside())
+            }
         }
     }
 }

@@ -103,6 +103,14 @@ pub struct Comparison {
     pub reason: String,
 }
 
+impl Comparison {
+    /// Which pieces conflict, and why: of one that conflicts.
+    #[must_use]
+    pub fn conflict_in_words(&self) -> String {
+        format!("{} and {} conflict. {}", self.left, self.right, self.reason)
+    }
+}
+
 /// What a monitor says of one run.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,

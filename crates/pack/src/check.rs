@@ -16,7 +16,7 @@ use crate::manifest::{Manifest, PREDICATE, STATEMENT};
 use crate::part::Tally;
 use crate::write::{sums, text};
 use crate::zip::{Entry, LOCAL, LOCAL_BYTES, MOST_BYTES, MOST_ENTRIES, directory};
-use crate::{ENVELOPE, MANIFEST, SUMS, name};
+use crate::{ENVELOPE, FIRST, MANIFEST, SUMS, name};
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -42,6 +42,8 @@ pub struct Fault {
 pub enum Signature {
     /// It has none: nothing says who made it.
     Absent,
+    /// The archive could not be read up to where its signature would stand: whether it has one is not known.
+    NotRead,
     /// It names the key with this identifier, and no key was given to verify it by.
     NotVerified {
         /// The SHA-256 of the public key in DER.
@@ -73,6 +75,22 @@ pub struct Checked {
     pub sha256: String,
 }
 
+/// Whether a file that begins with these bytes can be a pack: its first part is [`FIRST`], in the form in which packs
+/// have their parts. A look from the outside, for who would write over it; [`check()`] says whether it is one.
+pub fn begins_as_pack(bytes: &[u8]) -> bool {
+    let entry = Entry {
+        name: FIRST.to_owned(),
+        crc: 0,
+        size: 0,
+        offset: 0,
+    };
+    let header = entry.local_header();
+    // Checksum and sizes are those of its page.
+    let is_of_content = |at: usize| (14..26).contains(&at);
+    bytes.len() >= header.len()
+        && (header.iter().zip(bytes).enumerate()).all(|(at, (a, b))| a == b || is_of_content(at))
+}
+
 /// Checks a pack; its signature is verified by the key, if one is given.
 pub fn check(archive: &mut dyn Read, key: Option<&PublicKey>) -> Checked {
     let mut reading = Reading::new(archive);
@@ -83,8 +101,9 @@ pub fn check(archive: &mut dyn Read, key: Option<&PublicKey>) -> Checked {
     let manifest = reading.kept.get(MANIFEST).cloned();
     let Some(manifest) = manifest else {
         // What is no archive of ours has said so already.
-        if reading.is_whole {
-            reading.fault(MANIFEST, "it is missing");
+        match reading.is_whole {
+            true => reading.fault(MANIFEST, "it is missing"),
+            false => checked.signature = Signature::NotRead,
         }
         checked.faults = reading.faults;
         return checked;
@@ -328,6 +347,10 @@ impl<'r> Reading<'r> {
 
     fn signature(&mut self, manifest: &[u8], key: Option<&PublicKey>) -> Signature {
         let Some(envelope) = self.kept.get(ENVELOPE) else {
+            // A fault says where reading ended.
+            if !self.is_whole {
+                return Signature::NotRead;
+            }
             if key.is_some() {
                 self.fault(
                     ENVELOPE,

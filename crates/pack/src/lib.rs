@@ -17,7 +17,7 @@ mod part;
 mod write;
 mod zip;
 
-pub use check::{Checked, Fault, Signature, check};
+pub use check::{Checked, Fault, Signature, begins_as_pack, check};
 pub use key::{Key, PublicKey};
 pub use manifest::{Digest, Manifest, NotShown, PartEntry, Predicate, Recording, Sace, Subject};
 pub use name::encoded;
@@ -33,6 +33,9 @@ pub const ENVELOPE: &str = "manifest.dsse.json";
 pub const SUMS: &str = "SHA256SUMS";
 /// The page that says how the pack is checked.
 pub const GUIDE: &str = "VERIFY.md";
+
+/// The page with which packs of studies begin; nothing in them comes before it.
+pub const FIRST: &str = "README.md";
 
 /// A hash in hexadecimal.
 fn hex(bytes: &[u8]) -> String {

@@ -1,11 +1,14 @@
 //! Names of parts: whatever a study's files are called, a part's name is a relative path that is safe to unpack anywhere.
 //!
 //! # Definition
-//! A path is taken component by component. Letters, digits and `-_.+=@,` of ASCII stay; every other byte is written `%XX`. So are
+//! A path is taken component by component. Letters, digits, spaces and `-_.+=@,()[]&'~#!` of ASCII stay; every other byte is
+//! written `%XX`: control characters, what Windows or Markdown would take for something else, and letters beyond ASCII, which not
+//! every `unzip` writes alike. So are a space at either end of a component,
 //! the first byte of a component that would mean something to a program (`.`, `..`, a leading `-`, a device of Windows such
 //! as `NUL`) and a final dot. A component that is longer than 180 bytes ends in a hash of itself.
 //!
-//! Guarantee: no name leads out of the folder in which it is unpacked, none needs quoting in a shell, and two different paths
+//! Guarantee: no name leads out of the folder in which it is unpacked, none has a line break, a backslash, a quotation mark `"`, a `$` or
+//! a backquote, none is taken for an option, and two different paths
 //! have different names (up to a collision of SHA-256 for long components).
 
 use sha2::{Digest, Sha256};
@@ -30,8 +33,8 @@ fn component(text: &str) -> String {
     let last = text.len() - 1;
     let mut name = String::new();
     for (at, byte) in text.bytes().enumerate() {
-        let is_dot_at_end = at == last && byte == b'.';
-        match is_plain(byte) && !(at == 0 && first) && !is_dot_at_end {
+        let is_trimmed = at == last && byte == b'.' || (at == last || at == 0) && byte == b' ';
+        match is_plain(byte) && !(at == 0 && first) && !is_trimmed {
             true => name.push(char::from(byte)),
             false => name.push_str(&format!("%{byte:02X}")),
         }
@@ -46,7 +49,7 @@ fn component(text: &str) -> String {
 }
 
 fn is_plain(byte: u8) -> bool {
-    byte.is_ascii_alphanumeric() || b"-_.+=@,".contains(&byte)
+    byte.is_ascii_alphanumeric() || b"-_.+=@, ()[]&'~#!".contains(&byte)
 }
 
 /// Whether a component means something by its beginning.
@@ -83,6 +86,7 @@ pub(crate) fn is_safe(name: &str) -> bool {
             && part.bytes().all(|byte| is_plain(byte) || byte == b'%')
             && !is_special(part)
             && !part.ends_with('.')
+            && part.trim_matches(' ') == part
             && is_escaped(part)
     };
     !name.is_empty() && name.split('/').all(is_component)
@@ -99,7 +103,9 @@ mod tests {
             ("../../etc/passwd", "%2E%2E/%2E%2E/etc/passwd"),
             ("/etc/passwd", "%2F/etc/passwd"),
             ("a\\..\\b", "a%5C..%5Cb"),
-            ("a b\n\u{1b}[2J", "a%20b%0A%1B%5B2J"),
+            ("a b\n\u{1b}[2J", "a b%0A%1B[2J"),
+            (" a (1) ", "%20a (1)%20"),
+            ("$(x) `y`;\"z\"", "%24(x) %60y%60%3B%22z%22"),
             ("-rf/NUL.txt/com7", "%2Drf/%4EUL.txt/%63om7"),
             ("Pr\u{fc}fung.csv", "Pr%C3%BCfung.csv"),
             ("C:/x.", "C%3A/x%2E"),
@@ -117,8 +123,8 @@ mod tests {
     #[test]
     fn names_that_no_pack_has_are_told_apart() {
         for name in [
-            "", "/", "a/", "/a", "../a", "a/./b", "a b", "a\\b", "%2e", "%2", "NUL", "-x", "a.",
-            "\u{fc}",
+            "", "/", "a/", "/a", "../a", "a/./b", " a", "a ", "a\\b", "%2e", "%2", "NUL", "-x",
+            "a.", "\u{fc}",
         ] {
             assert!(!is_safe(name), "{name}");
         }

@@ -63,6 +63,9 @@ const HALF: f64 = 0.5;
 /// More further trials than this are not counted.
 const MOST_FURTHER: u64 = 1 << 30;
 
+/// A drift of the evidence by less than this for a trial is rounding.
+const NO_DRIFT: f64 = 1e-12;
+
 /// A sequential test of a rate against a threshold with an indifference zone.
 ///
 /// ```
@@ -173,12 +176,16 @@ impl IndifferenceTest {
 
     /// How many further trials decide it if they succeed at the rate seen so far (with one success and one failure of Jeffreys'
     /// half each added), all with an outcome that is known: a forecast, not a bound. `None` if more than 2^30 do not, as of a
-    /// rate in the middle of the zone.
+    /// rate in the middle of the zone, or if the rate itself, without Jeffreys' halves, is exactly where no number does: what
+    /// the halves alone add is no forecast.
     #[must_use]
     pub fn further_trials(&self, ends: [Sample; 2]) -> Option<u64> {
         let [lowest, highest] = ends;
         let unknown = highest.successes - lowest.successes.min(highest.successes);
         let known = lowest.trials.saturating_sub(unknown) as f64;
+        if self.is_never_decided(lowest.successes as f64 / known) {
+            return None;
+        }
         let rate = (lowest.successes as f64 + HALF) / (known + 1.0);
         let after = |further: u64| {
             let gained = (rate * further as f64).round() as u64;
@@ -204,6 +211,17 @@ impl IndifferenceTest {
             }
         }
         Some(enough)
+    }
+
+    /// Whether trials that go on at exactly this rate decide nothing, however many: it is the threshold of a test without a
+    /// margin, or the rate in the zone at which Wald's ratio neither grows nor falls.
+    fn is_never_decided(&self, rate: f64) -> bool {
+        let Interval { low, high } = self.zone;
+        let drift = match low < high {
+            true => rate * (high / low).ln() + (1.0 - rate) * ((1.0 - high) / (1.0 - low)).ln(),
+            false => rate - low,
+        };
+        drift.abs() < NO_DRIFT
     }
 }
 

@@ -249,6 +249,47 @@ fn verdicts_are_written_for_build_servers_reviews_and_editors() {
     assert_eq!(file("w.sarif"), file("v.sarif"));
 }
 
+/// The verdict stands on trials of the system, and the model says another number: the exit code is 1, and no format says that all is well.
+#[test]
+fn a_conflict_below_a_satisfied_requirement_is_in_every_format() {
+    let study = Study::new();
+    let attempts = read(&study.path("attempts.csv"));
+    let rows = attempts.lines().enumerate().map(|(at, row)| match at {
+        0 => row.to_owned(),
+        _ => format!("{},2,5,", row.split(',').next().expect("a session")),
+    });
+    study.write("attempts.csv", rows.collect::<Vec<_>>().join("\n") + "\n");
+    study.edit(
+        "failure_modes.csv",
+        "missed_contact,4,100",
+        "missed_contact,0,100",
+    );
+    let shall = |rate: &str| format!("with probability at least {rate} within");
+    study.edit("requirements.toml", &shall("0.9"), &shall("0.1"));
+    let files = ["--junit", "v.xml", "--sarif", "v.sarif"];
+    let said = study.run(&[&["-q", "run", "study"][..], &files].concat());
+    assert_eq!(said.code, 1, "{said:?}");
+    let result = read(&study.path("results/study.json"));
+    let result: Value = serde_json::from_str(&result).expect("JSON");
+    assert_eq!(result["conclusions"][0]["verdict"], "satisfied", "{result}");
+    let file = |name: &str| read(&study.beside().join(name));
+    let junit = file("v.xml");
+    assert!(
+        junit.contains("failures=\"1\"") && junit.contains("E1 and E2 conflict. "),
+        "{junit}"
+    );
+    let log: Value = serde_json::from_str(&file("v.sarif")).expect("JSON");
+    let found = &log["runs"][0]["results"][0];
+    assert_eq!(found["ruleId"], "conflicting", "{log}");
+    assert_eq!(
+        found["locations"][0]["physicalLocation"]["artifactLocation"]["uri"],
+        "study/requirements.toml"
+    );
+    let pack = study.run(&["pack", "study", "--to", "p.zip"]);
+    let said = "requirement 1: Which of two pieces of evidence is right: E1 and E2 conflict. ";
+    assert!(pack.code == 0 && pack.out.contains(said), "{pack:?}");
+}
+
 #[test]
 fn mistakes_of_a_study_are_findings_at_their_lines() {
     let study = Study::new();

@@ -305,7 +305,7 @@ fn hostile_names_stay_within_the_pack() {
     };
     assert!(
         folder
-            .join("study/%2E%2E/%2Drf%20%24%28touch%20owned%29.prism")
+            .join("study/%2E%2E/%2Drf %24(touch owned).prism")
             .exists()
     );
     assert!(!study.beside().join("owned").exists());

@@ -2,7 +2,7 @@
 //!
 //! # Definition
 //! For each requirement: that it is open, conflicting, covered by no evidence, or satisfied on a step below the system; what of
-//! its evidence was left out, with the reason. For the study: declared conditions without evidence, what evidence does not cover,
+//! its evidence was left out, with the reason. For the study: open conflicts, declared conditions without evidence, what evidence does not cover,
 //! runs without a verdict, open questions of lineage, evidence that was only read. Of the pack: what it lacks, what was not derived
 //! again, and what no pack of this kind can show.
 //!
@@ -30,6 +30,7 @@ pub(super) fn of(
         .iter()
         .flat_map(requirement)
         .collect();
+    all.extend(conflicts(from.result));
     all.extend(conditions(from.study, from.result));
     all.extend(gaps(from.result));
     all.extend(from.result.evidence.iter().flat_map(evidence));
@@ -90,6 +91,19 @@ fn requirement(conclusion: &Conclusion) -> Vec<NotShown> {
         fitted.map(|words| format!("Independent agreement: this one is a fit only. {words}"));
     let words = verdict.into_iter().chain(left_out).chain(fitted);
     words.map(|words| says(&of, words)).collect()
+}
+
+/// Conflicts that are open, whatever the verdict says.
+fn conflicts(result: &StudyResult) -> Vec<NotShown> {
+    let open = result.open_conflicts().into_iter();
+    open.map(|it| {
+        let words = format!(
+            "Which of two pieces of evidence is right: {}",
+            it.conflict_in_words()
+        );
+        says(it.subject.in_words(), words)
+    })
+    .collect()
 }
 
 /// Conditions that the study declares, and under which nothing was done.

@@ -42,6 +42,8 @@ pub struct PackVerification {
 pub enum PackSignature {
     /// There is none.
     Absent,
+    /// The archive is damaged before the place of a signature: whether there is one is not known.
+    NotRead,
     /// There is one, and no key was given to verify it by.
     NotVerified {
         /// The SHA-256 of the public key that it names.
@@ -123,7 +125,8 @@ fn holds(found: &::pack::Checked) -> Vec<Checked> {
 
 fn signature(found: Signature) -> (PackSignature, Vec<String>) {
     let again =
-        "the figures themselves: unpack it, and run `corroborate verify` on study/results in it"
+        "the figures themselves: unpack it, and run `corroborate verify` on study/results in it, as far as its files are in it under \
+         their own names"
             .to_owned();
     let (signature, what) = match found {
         Signature::Valid { key } => (PackSignature::Valid { key }, None),
@@ -131,6 +134,13 @@ fn signature(found: Signature) -> (PackSignature, Vec<String>) {
         Signature::Absent => (
             PackSignature::Absent,
             Some("who made it: the pack is not signed".to_owned()),
+        ),
+        Signature::NotRead => (
+            PackSignature::NotRead,
+            Some(
+                "the signature: the archive is damaged, and could not be read as far as where its signature stands"
+                    .to_owned(),
+            ),
         ),
         Signature::NotVerified { key } => {
             let what = format!(

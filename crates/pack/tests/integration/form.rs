@@ -31,7 +31,7 @@ fn a_pack_is_as_it_was_written_and_its_signature_says_by_whom() {
         "VERIFY.md",
         "empty",
         "results/study.json",
-        "study/%2E%2E/a%20b.prism",
+        "study/%2E%2E/a b.prism",
         "study/table.csv",
     ];
     assert_eq!(names, expected);

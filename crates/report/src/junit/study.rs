@@ -4,21 +4,23 @@ use super::{Case, End, Said, Suite};
 use crate::view::View;
 use crate::{number, words};
 use evidence::{
-    Conclusion, Direction, Evidence, Interval, Measure, Requirement, StudyResult, Verdict,
+    Comparison, Conclusion, Direction, Evidence, Interval, Measure, Requirement, StudyResult,
+    Subject, Verdict,
 };
 
-/// A suite with a case for each requirement.
+/// A suite with a case for each requirement, and one for each failure mode of which evidence conflicts.
 ///
 /// A requirement that is satisfied on a step that is not enough for it is skipped, like one that is undecided or not covered; one that is
-/// violated, or of which evidence conflicts, failed. The properties `rate`, `interval` and `guarantee` are those of the piece of
+/// violated, or of which current evidence conflicts (whatever its verdict is), failed, as the exit code has it. The properties `rate`, `interval` and `guarantee` are those of the piece of
 /// evidence on the highest step; each piece has its own beside them, under its identifier.
 #[must_use]
 pub fn of_study(study: &StudyResult) -> Vec<Suite> {
     let view = View { study };
     let cases = study.requirements.iter().map(|it| case(&view, it));
+    let modes = failure_modes(study);
     vec![Suite {
         name: study.title.clone(),
-        cases: cases.collect(),
+        cases: cases.chain(modes).collect(),
     }]
 }
 
@@ -38,7 +40,45 @@ fn case(view: &View<'_>, requirement: &Requirement) -> Case {
         file: None,
         secs: None,
         properties,
-        end: end(conclusion),
+        end: end(
+            conclusion,
+            &conflicts(view.study, &Subject::Requirement(requirement.id.clone())),
+        ),
+    }
+}
+
+/// The open conflicts of a requirement or failure mode, in words.
+fn conflicts(study: &StudyResult, subject: &Subject) -> Vec<String> {
+    let open = study.open_conflicts().into_iter();
+    let own = open.filter(|it| it.subject == *subject);
+    own.map(Comparison::conflict_in_words).collect()
+}
+
+/// No requirement says that evidence conflicts on a failure mode.
+fn failure_modes(study: &StudyResult) -> Vec<Case> {
+    let mut subjects: Vec<&Subject> = Vec::new();
+    for open in study.open_conflicts() {
+        let is_mode = matches!(open.subject, Subject::FailureMode(_));
+        if is_mode && !subjects.contains(&&open.subject) {
+            subjects.push(&open.subject);
+        }
+    }
+    let cases = subjects.into_iter().map(|subject| Case {
+        class: study.title.clone(),
+        name: format!("failure mode: {}", subject.in_words()),
+        file: None,
+        secs: None,
+        properties: Vec::new(),
+        end: End::Failed(conflict(&conflicts(study, subject), String::new())),
+    });
+    cases.collect()
+}
+
+fn conflict(conflicts: &[String], text: String) -> Said {
+    Said {
+        kind: "evidence conflicts".to_owned(),
+        message: conflicts.join(" "),
+        text,
     }
 }
 
@@ -123,7 +163,7 @@ fn guarantee(measure: &Measure, confidence: f64) -> String {
     }
 }
 
-fn end(conclusion: Option<&Conclusion>) -> End {
+fn end(conclusion: Option<&Conclusion>, conflicts: &[String]) -> End {
     let Some(conclusion) = conclusion else {
         return End::Skipped("not covered by any evidence".to_owned());
     };
@@ -134,8 +174,12 @@ fn end(conclusion: Option<&Conclusion>) -> End {
         text: standings(conclusion),
     };
     match conclusion.verdict {
-        Verdict::Satisfied if conclusion.is_enough() => End::Passed,
         Verdict::Violated | Verdict::Conflicting => End::Failed(said()),
+        _ if !conflicts.is_empty() => {
+            let text = [conclusion.statement.clone(), standings(conclusion)].join("\n");
+            End::Failed(conflict(conflicts, text))
+        }
+        Verdict::Satisfied if conclusion.is_enough() => End::Passed,
         Verdict::Satisfied | Verdict::Undecided | Verdict::NotCovered => {
             End::Skipped(format!("{word}: {}", conclusion.statement))
         }

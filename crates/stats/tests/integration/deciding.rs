@@ -136,6 +136,15 @@ fn so_many_further_trials_decide_it_and_one_less_does_not() {
     // As many as it likes are not enough in the middle of the zone.
     let stuck = IndifferenceTest::new(0.5, 0.1, Confidence::P95).unwrap();
     assert_eq!(stuck.further_trials(counts(500, 1000)), None);
+    // Nor where the rate is exactly the threshold: Jeffreys' halves alone are no forecast.
+    let exact = IndifferenceTest::new(0.9, 0.0, Confidence::P95).unwrap();
+    for (successes, trials) in [(54, 60), (9, 10), (900, 1000)] {
+        let at_threshold = counts(successes, trials);
+        assert_eq!(exact.decide(at_threshold), Decision::Open);
+        assert_eq!(exact.further_trials(at_threshold), None);
+    }
+    assert!(exact.further_trials(counts(55, 60)).is_some());
+    assert!(exact.further_trials(counts(0, 0)).is_some());
     let further = test.further_trials(counts(30, 30)).expect("all succeed");
     let after = |further: u64| {
         let rate = 30.5 / 31.0;
