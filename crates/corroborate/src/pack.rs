@@ -8,14 +8,16 @@
 //! Before anything is written the result has to be current (every piece of evidence fresh) and has to follow from its
 //! evidence ([`verify`](crate::verify())): a signature under a figure that somebody changed by hand would be worse than none.
 //!
-//! Guarantee: the same files of study and results, the same arguments and the same key give the same bytes. Nothing half written
-//! stays behind. What the pack lacks is listed in it ([`PackReport::not_shown`]).
+//! Guarantee: the same files of study and results, the same arguments, the same PDF and the same key give the same bytes; the PDF
+//! depends on the browser that prints it, if it is not handed in. Nothing half written stays behind, and no file but an earlier pack
+//! is written over. Of what lies in the folder of results, only what the verified result has is packed; the rest is named. What the pack lacks is listed in it ([`PackReport::not_shown`]).
 
 mod log;
 mod not_shown;
 mod parts;
 mod readme;
 mod recordings;
+mod renewed;
 mod sbom;
 mod strategy;
 mod traceability;
@@ -142,7 +144,8 @@ pub struct PackReport {
 /// Makes the pack of a study that has been run.
 ///
 /// # Errors
-/// `not-run` without a run, `stale-result` if something of the study has changed since, `result-does-not-follow` if
+/// `pack-over-file` if something else is there under the archive's name, `absolute-path` if evidence rests on a file that is named
+/// by an absolute path, `not-run` without a run, `stale-result` if something of the study has changed since, `result-does-not-follow` if
 /// [`verify`](crate::verify()) finds a fault, `bad-key`, `bad-sbom`, `bad-pdf`, `pack-too-large`, `cannot-read`, `cannot-write`;
 /// `interrupted` if the host was asked to stop.
 pub fn pack(
@@ -151,6 +154,8 @@ pub fn pack(
     drawing: &PackDrawing<'_>,
 ) -> Result<PackReport, Problem> {
     let folder = results_folder(&request.study, request.out.as_deref());
+    let to = request.to.clone().unwrap_or_else(|| folder.join(PACK));
+    replaces_no_other(&to)?;
     let study = Study::load(&request.study)?;
     let result = read_current_result(&request.study, &folder)?;
     is_fresh(request, host)?;
@@ -165,7 +170,6 @@ pub fn pack(
         is_signed: key.is_some(),
         host,
     };
-    let to = request.to.clone().unwrap_or_else(|| folder.join(PACK));
     let written =
         parts::gather(&gathering, drawing).and_then(|gathered| write(&to, gathered, key.as_ref()));
     // A file that is read when somebody asks to stop fails like any other.
@@ -180,6 +184,32 @@ pub fn pack(
         signed_by: written.signed_by,
         not_shown: written.manifest.predicate.not_shown,
     })
+}
+
+/// What is there under the archive's name is an earlier pack, or empty: nothing else is written over.
+fn replaces_no_other(to: &Path) -> Result<(), Problem> {
+    let known = match std::fs::metadata(to) {
+        Ok(known) => known,
+        // A link to nothing is a file of somebody, too.
+        Err(_) if std::fs::symlink_metadata(to).is_err() => return Ok(()),
+        Err(error) => return Err(Problem::cannot_read(to, &error)),
+    };
+    if known.is_file() {
+        let cannot = |error: std::io::Error| Problem::cannot_read(to, &error);
+        let mut begin = Vec::new();
+        let file = std::fs::File::open(to).map_err(cannot)?;
+        std::io::Read::read_to_end(&mut std::io::Read::take(file, 256), &mut begin)
+            .map_err(cannot)?;
+        if begin.is_empty() || ::pack::begins_as_pack(&begin) {
+            return Ok(());
+        }
+    }
+    let message = format!(
+        "{} exists and is no evidence pack; a pack is never written over another file",
+        to.display()
+    );
+    Err(Problem::new("pack-over-file", message)
+        .remedy("name a new file with --to, or move that one away"))
 }
 
 /// Nothing of the study has changed since its evidence was produced.

@@ -10,7 +10,8 @@ use std::path::PathBuf;
 Puts what assessors ask for into one archive: requirements, traceability, strategy, log, evidence,
 provenance, argument, the report, JUnit XML and SARIF, the names and hashes of recordings, and a
 manifest that says what the pack does not show, signed with Ed25519. VERIFY.md in it says how to
-check all of it with unzip, openssl and sha256sum. The same files give the same bytes.
+check all of it with unzip, openssl and sha256sum. The same files give the same bytes, but for a
+PDF that another release of Chromium prints (hand one in with --pdf).
 The study has to be run, and its results have to follow from their evidence.
 
 Examples:
@@ -23,7 +24,7 @@ pub struct Pack {
     /// The study's folder.
     #[arg(required_unless_present = "new_key")]
     pub study: Option<PathBuf>,
-    /// The archive, instead of STUDY/results/evidence-pack.zip.
+    /// The archive, instead of STUDY/results/evidence-pack.zip; of existing files only a pack is replaced.
     #[arg(long, value_name = "FILE")]
     pub to: Option<PathBuf>,
     /// Where the results are, if not in STUDY/results.

@@ -275,7 +275,7 @@ fn a_conflict_below_a_satisfied_requirement_is_in_every_format() {
     let file = |name: &str| read(&study.beside().join(name));
     let junit = file("v.xml");
     assert!(
-        junit.contains("failures=\"1\"") && junit.contains("E1 and E2 conflict. "),
+        junit.contains("failures=\"2\"") && junit.contains("E1 and E2 conflict. "),
         "{junit}"
     );
     let log: Value = serde_json::from_str(&file("v.sarif")).expect("JSON");

@@ -298,6 +298,8 @@ fn hostile_names_stay_within_the_pack() {
     assert_eq!(study.run(&["-q", "run", "study"]).code, 0);
     let made = pack(&study, "one.zip", &[]);
     assert_eq!(made.code, 0, "{made:?}");
+    let said = "does not find these there: ../-rf $(touch owned).prism.";
+    assert!(made.out.contains(said), "{made:?}");
     let (_, report) = verified(&study, &["one.zip"]);
     assert_eq!(report["faults"], serde_json::json!([]));
     let Some(folder) = unpacked(&study, "one.zip") else {
@@ -309,6 +311,127 @@ fn hostile_names_stay_within_the_pack() {
             .exists()
     );
     assert!(!study.beside().join("owned").exists());
+}
+
+/// A name with spaces is kept, so that what is unpacked follows again.
+#[test]
+fn plain_names_stay_as_they_are() {
+    let study = Study::new();
+    let model = read(&study.path("model.prism"));
+    study.write("my models (1)/a & b.prism", model);
+    study.edit(
+        "ledger.toml",
+        "model = \"model.prism\"",
+        "model = \"my models (1)/a & b.prism\"",
+    );
+    assert_eq!(study.run(&["-q", "run", "study"]).code, 0);
+    let made = pack(&study, "one.zip", &[]);
+    assert!(
+        made.code == 0 && !made.out.contains("does not find these"),
+        "{made:?}"
+    );
+    if unpacked(&study, "one.zip").is_some() {
+        let again = study.run(&["verify", "unpacked/study/results"]);
+        assert_eq!(again.code, 0, "{again:?}");
+    }
+}
+
+/// What lies beside the result and was not verified is not signed.
+#[test]
+fn only_what_belongs_to_the_result_is_packed() {
+    let study = ran();
+    assert_eq!(study.run(&["-q", "diagnose", "study"]).code, 0);
+    let said =
+        "Left out of study/results: diagnosis.json (diagnosis.json is not of the present evidence";
+    let fresh = pack(&study, "fresh.zip", &[]);
+    assert!(fresh.code == 0 && !fresh.out.contains(said), "{fresh:?}");
+    // Changed by hand, and no longer in the result, which was made again.
+    let diagnosis = read(&study.path("results/diagnosis.json"));
+    study.write(
+        "results/diagnosis.json",
+        diagnosis.replacen("\"digest\": \"", "\"digest\": \"0", 1),
+    );
+    assert_eq!(study.run(&["-q", "run", "study"]).code, 0);
+    study.write("results/evidence/X9.json", "{}");
+    study.write("results/evidence/E1/note.txt", "invented");
+    study.write("results/episodes/OLD/journal", "invented");
+    study.write("results/exploration/exploration.json", "{}");
+    let made = pack(&study, "one.zip", &["--format", "json"]);
+    // An exploration that cannot be read is nothing that `run` has taken.
+    assert_eq!(made.code, 0, "{made:?}");
+    for words in [
+        said,
+        "corroborate diagnose STUDY",
+        "episodes/OLD/journal, evidence/E1/note.txt, evidence/X9.json (no entry of ledger.toml",
+        "exploration/exploration.json (",
+    ] {
+        assert!(made.out.contains(words), "{words} is not in\n{made:?}");
+    }
+    let Some(folder) = unpacked(&study, "one.zip") else {
+        return;
+    };
+    let manifest = read(&folder.join("manifest.json"));
+    let manifest: Value = serde_json::from_str(&manifest).expect("JSON");
+    let parts = manifest["subject"].as_array().expect("parts");
+    for name in ["diagnosis", "X9", "note.txt", "OLD", "exploration"] {
+        let is_in = |it: &Value| it["name"].as_str().is_some_and(|it| it.contains(name));
+        assert!(!parts.iter().any(is_in), "{name}");
+    }
+}
+
+#[test]
+fn nothing_but_a_pack_is_written_over() {
+    let study = ran();
+    for name in ["study/requirements.toml", "signer.pem", "study"] {
+        let before = study.contents();
+        let said = pack(&study, name, &[]);
+        assert!(
+            said.code == 2 && said.talk.contains("error[pack-over-file]"),
+            "{said:?}"
+        );
+        assert!(before == study.contents(), "{name}");
+    }
+    std::fs::write(study.beside().join("one.zip"), "").expect("written");
+    assert_eq!(pack(&study, "one.zip", &[]).code, 0);
+    assert_eq!(pack(&study, "one.zip", &["--key", "signer.pem"]).code, 0);
+    let (code, _) = verified(&study, &["one.zip", "--key", "signer.pub.pem"]);
+    assert_eq!(code, 0);
+}
+
+#[test]
+fn evidence_on_an_absolute_path_is_not_packed() {
+    let study = Study::new();
+    let model = read(&study.path("model.prism"));
+    let path = study.beside().join("outside.prism");
+    std::fs::write(&path, model).expect("written");
+    let named = format!("model = '{}'", path.display());
+    study.edit("ledger.toml", "model = \"model.prism\"", &named);
+    assert_eq!(study.run(&["-q", "run", "study"]).code, 0);
+    let said = pack(&study, "one.zip", &[]);
+    assert!(
+        said.code == 2 && said.talk.contains("error[absolute-path]"),
+        "{said:?}"
+    );
+    assert!(!study.beside().join("one.zip").exists());
+}
+
+/// Nothing is said of a signature that could not be reached.
+#[test]
+fn a_damaged_pack_is_not_said_to_be_unsigned() {
+    let study = ran();
+    assert_eq!(pack(&study, "one.zip", &["--key", "signer.pem"]).code, 0);
+    let whole = std::fs::read(study.beside().join("one.zip")).expect("a file");
+    std::fs::write(study.beside().join("cut.zip"), &whole[..100]).expect("written");
+    for key in [&[][..], &["--key", "signer.pub.pem"]] {
+        let (code, report) = verified(&study, &[&["cut.zip"], key].concat());
+        assert_eq!(
+            (code, &report["signature"]["is"]),
+            (1, &"not-read".into()),
+            "{report}"
+        );
+        assert!(!report.to_string().contains("not signed"), "{report}");
+        assert!(!report.to_string().contains("no signature"), "{report}");
+    }
 }
 
 /// Every byte of a small pack is changed in the tests of the crate; here some of a real one, by the program.

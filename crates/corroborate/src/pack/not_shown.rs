@@ -13,6 +13,7 @@
 //! The verdicts follow from the evidence, which is verified before.
 
 use super::parts::Gathering;
+use super::renewed::listed;
 use ::pack::{NotShown, Recording};
 use diagnostic::counted;
 use evidence::{Conclusion, Step, StudyResult, Verdict};
@@ -178,13 +179,19 @@ fn evidence(piece: &evidence::Evidence) -> Vec<NotShown> {
 }
 
 fn of_recordings(recordings: &[Recording]) -> Option<NotShown> {
-    let left_out = recordings.iter().filter(|it| it.part.is_none());
-    let (count, bytes) = left_out.fold((0, 0), |(count, bytes), it| (count + 1, bytes + it.bytes));
+    let left_out: Vec<&Recording> = recordings.iter().filter(|it| it.part.is_none()).collect();
+    let (count, bytes) = (
+        left_out.len(),
+        left_out.iter().map(|it| it.bytes).sum::<u64>(),
+    );
+    let names: Vec<&str> = left_out.iter().map(|it| it.path.as_str()).collect();
     let words = format!(
         "The recordings themselves: {} of {bytes} bytes in all {} named by SHA-256 and not in the pack (`--with-recordings` puts them in). \
-         What rests on them is derived again only where they are put back at their paths.",
+         What rests on them is derived again only where they are put back at their paths; without them `corroborate verify` of study/results \
+         ends with faults. They are: {}.",
         counted(count, "file"),
-        if count == 1 { "is" } else { "are" }
+        if count == 1 { "is" } else { "are" },
+        listed(&names)
     );
     (count > 0).then(|| says("the pack", words))
 }

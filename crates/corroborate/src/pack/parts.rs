@@ -1,7 +1,7 @@
 //! The parts of a pack, gathered from the study, its results and what was handed in.
 
 use super::{PACK, PackDrawing, PackRequest};
-use super::{log, not_shown, readme, recordings, sbom, strategy, traceability};
+use super::{log, not_shown, readme, recordings, renewed, sbom, strategy, traceability};
 use crate::assure;
 use crate::kept::{CALIBRATION, DIAGNOSIS, DISAGREEMENT, EXPLORATION};
 use crate::requirements::exchange::reqif;
@@ -39,6 +39,7 @@ pub(super) struct Gathered {
 pub(super) fn gather(from: &Gathering<'_>, drawing: &PackDrawing<'_>) -> Result<Gathered, Problem> {
     let tests = traceability::tests(from.study)?;
     let mut lacks = Vec::new();
+    no_absolute(from)?;
     let mut parts = study_files(from)?;
     parts.extend(kept_results(from)?);
     parts.extend(assurance(from, drawing)?);
@@ -51,6 +52,8 @@ pub(super) fn gather(from: &Gathering<'_>, drawing: &PackDrawing<'_>) -> Result<
     parts.extend(sbom::parts(&from.request.sboms, &mut lacks)?);
     let recorded = recordings::of(from)?;
     parts.extend(recorded.parts);
+    lacks.extend(left_out(from)?);
+    lacks.extend(renewed::other_names(from, &recorded.list)?);
     let mut not_shown = not_shown::of(from, &recorded.list, lacks);
     not_shown.dedup();
     let about = About {
@@ -82,8 +85,8 @@ pub(super) fn of_file(
     Ok(Part::new(name, role, what, content))
 }
 
-/// The study's own files: those that its form fixes, and all on which evidence rests but recordings.
-fn study_files(from: &Gathering<'_>) -> Result<Vec<Part>, Problem> {
+/// The names of the study's own files: those that its form fixes, and all on which evidence rests but recordings.
+pub(super) fn study_paths(from: &Gathering<'_>) -> Result<BTreeSet<String>, Problem> {
     let own = [
         "study.toml",
         "parameters.toml",
@@ -101,6 +104,12 @@ fn study_files(from: &Gathering<'_>) -> Result<Vec<Part>, Problem> {
     }
     paths.extend(traceability::regressions(from.study)?.into_keys());
     paths.retain(|path| !recordings::is_recording(from.study, path));
+    Ok(paths)
+}
+
+/// The study's own files as parts.
+fn study_files(from: &Gathering<'_>) -> Result<Vec<Part>, Problem> {
+    let paths = study_paths(from)?;
     let parts = paths.iter().map(|path| {
         let full = from.study.folder.join(path);
         let name = format!("study/{path}");
@@ -121,8 +130,24 @@ fn study_files(from: &Gathering<'_>) -> Result<Vec<Part>, Problem> {
     parts.collect()
 }
 
-/// The folders of results that are taken with all that is in them but recordings.
-const FOLDERS: [&str; 4] = ["evidence", "episodes", "exploration", "calibration"];
+/// Whoever verifies has no file at an absolute path, or another one, and what folders are called here is nobody's business.
+fn no_absolute(from: &Gathering<'_>) -> Result<(), Problem> {
+    let mut assets = from.result.evidence.iter().flat_map(|it| &it.assets);
+    let is_absolute = |path: &str| {
+        let path = path.replace('\\', "/");
+        path.starts_with('/') || path.as_bytes().get(1..3) == Some(b":/")
+    };
+    let Some(asset) = assets.find(|it| is_absolute(&it.path)) else {
+        return Ok(());
+    };
+    let message = format!(
+        "evidence rests on {}, which is named by an absolute path: nobody could verify it elsewhere",
+        asset.path
+    );
+    Err(Problem::new("absolute-path", message).remedy(
+        "put the file into the study's folder, name it from there (as in `models/robot.prism`), and run the study again",
+    ))
+}
 
 /// What runs have kept, so that `verify` can derive every figure again in the unpacked folder.
 fn kept_results(from: &Gathering<'_>) -> Result<Vec<Part>, Problem> {
@@ -143,7 +168,7 @@ fn kept_results(from: &Gathering<'_>) -> Result<Vec<Part>, Problem> {
         (DIAGNOSIS, "what was found by changing one asset at a time"),
     ] {
         let path = from.results.join(name);
-        if path.is_file() {
+        if path.is_file() && renewed::is_of(from, name) {
             add(&path, name, Role::Results, what)?;
         }
     }
@@ -163,8 +188,28 @@ fn kept_results(from: &Gathering<'_>) -> Result<Vec<Part>, Problem> {
     Ok(parts)
 }
 
-/// The files in the folders of results, without what is hidden or half written.
+/// The folders of results from which files are taken.
+const FOLDERS: [&str; 4] = ["evidence", "episodes", "exploration", "calibration"];
+
+/// The files in the folders of results that belong to the result.
 pub(super) fn files_of(from: &Gathering<'_>) -> Result<Vec<PathBuf>, Problem> {
+    let mut found = all_files(from)?;
+    found.retain(|path| renewed::is_of(from, &below(from.results, path)));
+    Ok(found.into_iter().collect())
+}
+
+/// What lies beside it, and is not of it.
+fn left_out(from: &Gathering<'_>) -> Result<Vec<NotShown>, Problem> {
+    let mut names: Vec<String> = vec![DIAGNOSIS.to_owned()];
+    names.retain(|name| from.results.join(name).is_file());
+    let all = all_files(from)?;
+    names.extend(all.iter().map(|path| below(from.results, path)));
+    names.retain(|name| !renewed::is_of(from, name));
+    Ok(renewed::in_words(&names))
+}
+
+/// The files in the folders of results, without what is hidden or half written.
+fn all_files(from: &Gathering<'_>) -> Result<BTreeSet<PathBuf>, Problem> {
     let mut found = BTreeSet::new();
     let mut folders: Vec<PathBuf> = FOLDERS.iter().map(|it| from.results.join(it)).collect();
     folders.retain(|it| it.is_dir());
@@ -185,7 +230,7 @@ pub(super) fn files_of(from: &Gathering<'_>) -> Result<Vec<PathBuf>, Problem> {
             }
         }
     }
-    Ok(found.into_iter().collect())
+    Ok(found)
 }
 
 /// A path relative to a folder, with `/` between its folders.
