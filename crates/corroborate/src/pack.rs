@@ -205,7 +205,7 @@ fn replaces_no_other(to: &Path) -> Result<(), Problem> {
         }
     }
     let message = format!(
-        "{} exists and is no evidence pack; a pack is never written over another file",
+        "{} exists and is not an evidence pack; a pack is never written over another file",
         to.display()
     );
     Err(Problem::new("pack-over-file", message)

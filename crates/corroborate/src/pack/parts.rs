@@ -141,7 +141,7 @@ fn no_absolute(from: &Gathering<'_>) -> Result<(), Problem> {
         return Ok(());
     };
     let message = format!(
-        "evidence rests on {}, which is named by an absolute path: nobody could verify it elsewhere",
+        "evidence rests on {}, which is named by an absolute path: it could not be verified elsewhere",
         asset.path
     );
     Err(Problem::new("absolute-path", message).remedy(
