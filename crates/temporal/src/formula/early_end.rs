@@ -418,6 +418,9 @@ fn trigger_of(conjunct: &Formula) -> Option<Formula> {
     while let Formula::Always(_, inner) = body {
         body = inner;
     }
+    if !speaks_of(body, looks_ahead) {
+        return None;
+    }
     let mut conditions = Vec::new();
     conditions_of(body, true, &mut conditions);
     match conditions.len() {
