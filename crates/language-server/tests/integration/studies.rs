@@ -295,7 +295,7 @@ fn nothing_is_renamed_while_a_file_of_the_study_has_a_mistake() {
         std::fs::write(&file, format!("[not\n{text}")).expect("written");
         let mut workspace = Workspace::new(Box::new(Alone));
         let model = folder.join("models/handover_v1.prism");
-        workspace.open(&model, &std::fs::read_to_string(&model).expect("a text"));
+        workspace.open(&model, std::fs::read_to_string(&model).expect("a text"));
         let at = place(&model, "robotState :");
         let refused = rename::rename(&workspace, &model, at, "robot_state").expect_err(broken);
         assert!(
