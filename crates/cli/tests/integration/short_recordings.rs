@@ -123,7 +123,7 @@ fn a_formula_alone_says_what_it_asks_for() {
 
 /// Ten seconds in which the force drops for a second at these times, and is regained where `regained` says so.
 fn dropping(drops_secs: &[u32], regained: bool) -> String {
-    let force = |tenth: u32| match drops_secs.iter().any(|at| tenth / 10 == *at) {
+    let force = |tenth: u32| match drops_secs.contains(&(tenth / 10)) {
         true => 0,
         false if regained || drops_secs.iter().all(|at| tenth / 10 < *at) => 5,
         false => 1,
