@@ -45,6 +45,7 @@ impl Finding {
     ///     denominator: Denominator::EveryRun,
     ///     trigger: None,
     ///     undecided: 10,
+    ///     left_out: 0,
     ///     completions: None,
     ///     witnesses: vec![],
     ///     readings: vec![],

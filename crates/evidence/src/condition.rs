@@ -40,6 +40,7 @@ impl Finding {
     ///     denominator: Denominator::Triggered,
     ///     trigger: Some(Box::new(counts(200, 960)?)),
     ///     undecided: 0,
+    ///     left_out: 0,
     ///     completions: None,
     ///     witnesses: vec![],
     ///     readings: vec![],
