@@ -2,7 +2,7 @@
 //!
 //! # Definition
 //! Of each field of each requirement there are three values: the study's, the file's, and the one on which both agreed last
-//! (of which [`record`] keeps a hash). Where only one side differs from the last, that side was edited, and an import or export
+//! (of which [`RECORD`] keeps a hash). Where only one side differs from the last, that side was edited, and an import or export
 //! carries it over to the other; where both do and are not equal, they are in conflict, and nothing is written of it. A requirement
 //! that one side never had is added; one that it had and has no longer was removed there, which is said and never repeated here.
 //!

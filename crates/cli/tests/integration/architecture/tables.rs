@@ -1,0 +1,308 @@
+//! What the architecture allows, as data.
+
+/// Every crate, its floor, and which of our crates it may use.
+pub const CRATES: [(&str, u8, &[&str]); 31] = [
+    ("diagnostic", 0, &[]),
+    ("prism-lang", 0, &[]),
+    ("temporal", 0, &[]),
+    ("stats", 0, &[]),
+    ("trace", 0, &[]),
+    ("robot-model", 0, &[]),
+    ("stimulus", 0, &[]),
+    ("checker", 1, &["prism-lang", "temporal", "stats"]),
+    ("certifier", 1, &["prism-lang"]),
+    ("fault-tree", 1, &["diagnostic", "stats"]),
+    ("recording", 1, &["trace"]),
+    ("requirement-lang", 1, &["temporal", "trace"]),
+    (
+        "testbench",
+        1,
+        &["diagnostic", "trace", "robot-model", "stimulus"],
+    ),
+    ("campaign", 1, &["stats", "stimulus"]),
+    ("pack", 1, &["diagnostic"]),
+    ("evidence", 2, &["stats"]),
+    ("requirement-files", 2, &["diagnostic", "requirement-lang"]),
+    ("refinement", 2, &["prism-lang", "stats", "evidence"]),
+    ("live", 2, &["trace", "recording"]),
+    ("report", 2, &["evidence"]),
+    ("host", 2, &["diagnostic"]),
+    (
+        "study",
+        2,
+        &[
+            "diagnostic",
+            "host",
+            "prism-lang",
+            "requirement-lang",
+            "temporal",
+            "stats",
+            "stimulus",
+            "trace",
+            "checker",
+            "evidence",
+        ],
+    ),
+    (
+        "language-server",
+        2,
+        &[
+            "diagnostic",
+            "host",
+            "prism-lang",
+            "requirement-lang",
+            "study",
+        ],
+    ),
+    (
+        "judging",
+        2,
+        &[
+            "diagnostic",
+            "host",
+            "study",
+            "prism-lang",
+            "requirement-lang",
+            "temporal",
+            "trace",
+            "recording",
+            "evidence",
+        ],
+    ),
+    (
+        "query",
+        2,
+        &[
+            "diagnostic",
+            "host",
+            "study",
+            "prism-lang",
+            "checker",
+            "certifier",
+        ],
+    ),
+    ("handover", 2, &["stimulus", "trace", "testbench"]),
+    (
+        "rig",
+        2,
+        &[
+            "diagnostic",
+            "host",
+            "study",
+            "judging",
+            "trace",
+            "stimulus",
+            "testbench",
+            "handover",
+            "live",
+            "recording",
+            "evidence",
+        ],
+    ),
+    (
+        "corroborate-bench",
+        3,
+        &[
+            "prism-lang",
+            "temporal",
+            "stats",
+            "trace",
+            "checker",
+            "requirement-lang",
+            "campaign",
+            "evidence",
+            "refinement",
+        ],
+    ),
+    (
+        "corroborate",
+        3,
+        &[
+            "diagnostic",
+            "host",
+            "study",
+            "judging",
+            "query",
+            "rig",
+            "handover",
+            "prism-lang",
+            "temporal",
+            "stats",
+            "trace",
+            "stimulus",
+            "checker",
+            "recording",
+            "robot-model",
+            "pack",
+            "live",
+            "requirement-lang",
+            "requirement-files",
+            "testbench",
+            "campaign",
+            "fault-tree",
+            "evidence",
+            "refinement",
+        ],
+    ),
+    (
+        "cli",
+        4,
+        &[
+            "corroborate",
+            "diagnostic",
+            "host",
+            "study",
+            "judging",
+            "language-server",
+            "query",
+            "rig",
+            "pack",
+            "prism-lang",
+            "temporal",
+            "stats",
+            "trace",
+            "stimulus",
+            "checker",
+            "recording",
+            "requirement-lang",
+            "testbench",
+            "campaign",
+            "evidence",
+            "refinement",
+            "robot-model",
+            "report",
+        ],
+    ),
+    (
+        "python",
+        4,
+        &[
+            "corroborate",
+            "diagnostic",
+            "host",
+            "study",
+            "judging",
+            "query",
+            "prism-lang",
+            "temporal",
+            "stats",
+            "trace",
+            "checker",
+            "evidence",
+            "report",
+            "cli",
+        ],
+    ),
+];
+
+/// Things of the outside world, each with the one crate that may name it.
+pub const OUTSIDE: [(&str, &str); 22] = [
+    ("lsp-server", "language-server"),
+    ("ls-types", "language-server"),
+    ("ed25519-dalek", "pack"),
+    ("base64", "pack"),
+    ("getrandom", "cli"),
+    ("libloading", "testbench"),
+    ("rapier3d-f64", "testbench"),
+    ("mcap", "recording"),
+    ("zip", "requirement-files"),
+    ("rustdds", "live"),
+    ("tungstenite", "live"),
+    ("clap", "cli"),
+    ("clap_complete", "cli"),
+    ("clap_mangen", "cli"),
+    ("annotate-snippets", "cli"),
+    ("indicatif", "cli"),
+    ("ctrlc", "cli"),
+    ("maud", "report"),
+    ("unicode-width", "report"),
+    ("pyo3", "python"),
+    ("numpy", "python"),
+    ("pythonize", "python"),
+];
+
+/// What the product code of floors 0 and 1 does without: printing, clocks, the environment, global state.
+pub const ABSENT_BELOW_FLOOR_2: [&str; 14] = [
+    "println!",
+    "print!",
+    "eprintln!",
+    "eprint!",
+    "dbg!",
+    "std::env",
+    "std::process",
+    "SystemTime",
+    "Instant",
+    "static mut",
+    // Cells that only one thread may use cannot be in a `static`.
+    "OnceLock",
+    "LazyLock",
+    "thread_local!",
+    "std::net",
+];
+
+/// Worlds that stand on an engine, so on floor 2, and do without the same, since the same seed gives the same bits there, too.
+pub const AS_PURE_AS_ENGINES: [&str; 2] = ["handover", "requirement-files"];
+
+/// The crates that may name the file system.
+pub const MAY_USE_FILES: [&str; 9] = [
+    "trace",
+    "recording",
+    "host",
+    "study",
+    "language-server",
+    "judging",
+    "rig",
+    "corroborate",
+    "cli",
+];
+
+/// What no library does: end the process, read its environment, change its pool of threads, its signals or its allocator, ask
+/// what runs.
+pub const ABSENT_IN_LIBRARIES: [&str; 8] = [
+    "process::exit",
+    "std::env",
+    "build_global",
+    "current_exe",
+    "set_handler",
+    "mallopt",
+    "temp_dir",
+    "println!",
+];
+
+/// The programs: everything else is a library.
+pub const PROGRAMS: [&str; 2] = ["cli", "corroborate-bench"];
+
+/// The modules in which `unsafe` may stand, with everything below them.
+pub const MAY_BE_UNSAFE: [&str; 3] = [
+    "crates/testbench/src/mujoco",
+    "crates/cli/src/memory/allocator.rs",
+    "crates/python/src/table/arrow.rs",
+];
+
+/// What has to be matched in full: who adds a variant is told by the compiler where it matters.
+pub const MATCHED_IN_FULL: [&str; 8] = [
+    "Technique",
+    "Work",
+    "Simulated",
+    "Guarantee",
+    "WitnessOf",
+    "AskedBy",
+    "Rerun",
+    "Mark",
+];
+
+/// Where kinds of work are told apart: where they are read, what they have, and which technique does them.
+pub const TELL_WORK_APART: [&str; 2] = [
+    "crates/study/src/ledger",
+    "crates/corroborate/src/technique/kinds.rs",
+];
+
+/// Where techniques are told apart or named: their table, the ledger that names them, the synthetic studies that have
+/// evidence of each, and the legend of a plot, which shows one mark hollow.
+pub const TELL_TECHNIQUES_APART: [&str; 5] = [
+    "crates/evidence/src/technique.rs",
+    "crates/study/src/ledger",
+    "crates/corroborate-bench/src/matrix.rs",
+    "crates/corroborate-bench/src/study.rs",
+    "crates/report/src/section/forest.rs",
+];
