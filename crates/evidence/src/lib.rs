@@ -48,7 +48,7 @@ pub use compare::{
     Spreading, Study, Together, TrialCosts, Undecided, compare, compare_together, programme,
     undecided,
 };
-pub use conclude::alone::{Alone, alone};
+pub use conclude::alone::{Alone, alone, shown};
 pub use conclude::combined::{Combined, CommonBound, Model, Weights, combine};
 pub use conclude::coverage::coverage_gaps;
 pub use conclude::threshold::{Deciding, NotPlanned};

@@ -133,7 +133,8 @@ impl Sampling {
 pub struct UntilText {
     /// The requirement that is to be decided.
     pub requirement: String,
-    /// The confidence in the decision, for example 0.99.
+    /// The confidence in the decision, for example 0.99; against the requirement's own threshold the campaign goes on until its
+    /// verdict can be given, too.
     pub confidence: f64,
     /// The rate against which it is decided, if not the requirement's own.
     pub threshold: Option<f64>,

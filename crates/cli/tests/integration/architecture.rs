@@ -29,19 +29,33 @@ fn the_program_alone_has_the_features_that_it_has_among_all() {
     let of_the_program = features(&["--package", "corroborate-cli", "--edges", "normal,build"]);
     let among_all = features(&["--workspace", "--edges", "normal,build,dev"]);
     let others: Vec<&String> = of_the_program.difference(&among_all).collect();
-    assert!(others.is_empty(), "other packages have them with more features: {others:#?}");
+    assert!(
+        others.is_empty(),
+        "other packages have them with more features: {others:#?}"
+    );
 }
 
 /// Each package with its features, as cargo chooses them for what is asked.
 fn features(asked: &[&str]) -> BTreeSet<String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let tree = Command::new(cargo)
-        .args(["tree", "--locked", "--prefix", "none", "--format", "{p} [{f}]"])
+        .args([
+            "tree",
+            "--locked",
+            "--prefix",
+            "none",
+            "--format",
+            "{p} [{f}]",
+        ])
         .args(asked)
         .current_dir(root())
         .output()
         .expect("cargo runs");
-    assert!(tree.status.success(), "{}", String::from_utf8_lossy(&tree.stderr));
+    assert!(
+        tree.status.success(),
+        "{}",
+        String::from_utf8_lossy(&tree.stderr)
+    );
     let lines = String::from_utf8(tree.stdout).expect("UTF-8");
     (lines.lines())
         .map(|line| line.trim_end_matches(" (*)").replace(" (proc-macro)", ""))

@@ -2,6 +2,7 @@
 
 mod architecture;
 mod assurance;
+mod bad_checks;
 mod bad_input;
 mod calibrate;
 mod campaign;

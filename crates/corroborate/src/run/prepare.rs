@@ -107,7 +107,7 @@ pub(super) fn untils(study: &Study) -> Result<BTreeMap<&str, Until>, Problem> {
             let place = place.to_string();
             study::placed::toml_place(&study.ledger_source, &["evidence", &place, "until"])
         };
-        let until = Until::new(study, text)
+        let until = Until::new(study, entry, text)
             .map_err(|problem| problem.about(&entry.id).at(&study.ledger_source, at()));
         untils.extend(found.keep(until).map(|until| (entry.id.as_str(), until)));
     }

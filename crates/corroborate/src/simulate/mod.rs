@@ -136,7 +136,7 @@ impl Called<'_> {
         };
         let until = rule
             .as_ref()
-            .map(|rule| Until::new(self.study, rule))
+            .map(|rule| Until::new(self.study, self.entry, rule))
             .transpose()?;
         let program = self.setting.build.as_str();
         let mut inputs = self.inputs(rig, program);

@@ -8,5 +8,6 @@ mod exploring;
 mod own_technique;
 mod plans;
 mod side_by_side;
+mod stopping;
 mod support;
 mod whole_study;

@@ -14,7 +14,7 @@
 //! several.
 
 use super::quantity;
-use super::stand::{ClaimLevels, Named, stand};
+use super::stand::{ClaimLevels, Named, doubts, stand, standing};
 use super::words::hypothesis;
 use crate::compare::Belief;
 use crate::{Finding, Measure, Requirement, Standing, Step, Subject, Threshold, Verdict};
@@ -79,6 +79,18 @@ pub fn alone(
         })
     });
     judged.collect()
+}
+
+/// Whether a number shows by itself that a threshold is met (`true`) or missed (`false`), with a p-value of at most
+/// `1 - level`, as conclusions take it at their only look; `None` if it shows neither.
+pub fn shown(measure: &Measure, threshold: Threshold, level: Confidence) -> Option<bool> {
+    let belief = Belief::of(measure).ok()?;
+    let (p_not_met, p_met) = doubts(&belief, threshold);
+    match standing(p_not_met, p_met, ClaimLevels::both(level)) {
+        Standing::Supports => Some(true),
+        Standing::Denies => Some(false),
+        Standing::Neither => None,
+    }
 }
 
 #[cfg(test)]

@@ -3,11 +3,18 @@
 //! After each episode of the prefix 1..=n the counts of R are looked at by a test that holds at
 //! every n at once (`stats::SequentialTest`). The first n at which it decides whether the rate
 //! reaches the requirement's threshold ends the campaign, so n is a function of the episodes alone.
+//!
+//! Where the threshold is the requirement's own, the counts have to show the same at the level that the study's conclusion
+//! asks of them, too: its level, less what looking again may cost, divided among all requirements and all pieces of the same
+//! kind, as if none of the others showed anything. A campaign that ended before would leave its requirement undecided for
+//! good. It is a condition more for ending, and the intervals hold whatever ends it.
 
+use super::anytime;
 use diagnostic::Problem;
-use evidence::{Direction, Subject};
-use stats::{Decision, SequentialTest};
-use study::{Study, UntilText};
+use evidence::{Direction, ErrorFamily, Requirement, Subject, Threshold, WitnessOf};
+use host::store::Inputs;
+use stats::{Confidence, Decision, SHARE_OF_A_LOOK, Sample, SequentialTest};
+use study::{Entry, SampleSizes, Study, UntilText};
 
 /// A stopping rule of a study's requirement.
 #[derive(Clone, Debug)]
@@ -16,6 +23,57 @@ pub struct Until {
     test: SequentialTest,
     confidence: f64,
     direction: Direction,
+    verdict: Option<LevelOfVerdict>,
+}
+
+/// At which level the study's conclusion takes the counts as showing the requirement's threshold met or missed.
+#[derive(Clone, Copy, Debug)]
+struct LevelOfVerdict {
+    threshold: Threshold,
+    /// Of the intervals, to which the counts' effective size belongs.
+    intervals: Confidence,
+    claim: Confidence,
+}
+
+impl LevelOfVerdict {
+    /// The least level of all that the conclusion may come to.
+    fn new(study: &Study, entry: &Entry, requirement: &Requirement) -> Option<Self> {
+        let threshold = requirement.threshold?;
+        let intervals = Confidence::new(study.about.confidence).ok()?;
+        let looks = match study.about.sample_sizes {
+            SampleSizes::Growing => SHARE_OF_A_LOOK,
+            SampleSizes::Fixed => 1.0,
+        };
+        let requirements = match study.about.verdicts.error_rate {
+            ErrorFamily::Requirement => 1,
+            ErrorFamily::Study => {
+                let with_threshold = study
+                    .requirements
+                    .iter()
+                    .filter(|it| it.threshold.is_some());
+                with_threshold.count()
+            }
+        };
+        let of_system = |it: &Entry| it.technique.witness_of() == WitnessOf::System;
+        let pieces = study
+            .ledger
+            .iter()
+            .filter(|it| of_system(it) == of_system(entry));
+        let sharing = (requirements.max(1) * pieces.count().max(1)) as f64;
+        let claim = Confidence::new(1.0 - intervals.alpha() * looks / sharing).ok()?;
+        Some(Self {
+            threshold,
+            intervals,
+            claim,
+        })
+    }
+
+    /// Whether each of these counts shows it met, or each shows it missed.
+    fn is_reached(&self, ends: [Sample; 2]) -> bool {
+        let [one, other] = ends
+            .map(|end| evidence::shown(&anytime(end, self.intervals), self.threshold, self.claim));
+        one.is_some() && one == other
+    }
 }
 
 /// A rule as the command line has it: `requirement 1a is decided at 99 %`, or `requirement 3 is
@@ -57,8 +115,8 @@ pub fn parse(text: &str) -> Result<UntilText, Problem> {
 }
 
 impl Until {
-    /// The rule as written, held against the study.
-    pub fn new(study: &Study, text: &UntilText) -> Result<Self, Problem> {
+    /// The rule of an entry as written, held against the study.
+    pub fn new(study: &Study, entry: &Entry, text: &UntilText) -> Result<Self, Problem> {
         let problem = |message: String| Problem::new("bad-until", message);
         let wanted = &text.requirement;
         let Some(requirement) = study.requirements.iter().find(|r| &r.id == wanted) else {
@@ -93,7 +151,19 @@ impl Until {
             direction: requirement
                 .threshold
                 .map_or(Direction::AtLeast, |it| it.direction),
+            verdict: match requirement.threshold.map(|it| it.value) == Some(threshold) {
+                true => LevelOfVerdict::new(study, entry, requirement),
+                false => None,
+            },
         })
+    }
+
+    /// When it ends a campaign depends on the threshold, and on what shares the level.
+    pub fn inputs(&self, inputs: &mut Inputs) {
+        inputs.add_json("decided_against", &self.test.threshold());
+        if let Some(verdict) = &self.verdict {
+            inputs.add_json("decided_at", &verdict.claim.level());
+        }
     }
 
     /// Whose counts decide.
@@ -114,7 +184,8 @@ impl Until {
     /// What these counts decide.
     pub fn decide(&self, ends: [stats::Sample; 2]) -> Decision {
         let [lowest, highest] = ends.map(|end| self.test.decide(end));
-        match lowest == highest {
+        let is_enough = |verdict: &LevelOfVerdict| verdict.is_reached(ends);
+        match lowest == highest && self.verdict.as_ref().is_none_or(is_enough) {
             true => lowest,
             false => Decision::Open,
         }
@@ -129,8 +200,12 @@ impl Until {
             Decision::AtLeast => format!("its rate is at least {threshold}"),
             Decision::Below => format!("its rate is below {threshold}"),
             Decision::Open => {
+                let verdict = match self.verdict {
+                    Some(_) => ", so that its verdict is, too,",
+                    None => "",
+                };
                 return format!(
-                    "{about} was not decided against {threshold} at {percent} % within {episodes} episodes; intervals hold at every number of episodes"
+                    "{about} was not decided against {threshold} at {percent} %{verdict} within {episodes} episodes; intervals hold at every number of episodes"
                 );
             }
         };
@@ -152,6 +227,7 @@ mod tests {
             test: SequentialTest::new(0.5, stats::Confidence::P95).expect("a test"),
             confidence: 0.95,
             direction: Direction::AtLeast,
+            verdict: None,
         };
         let (all, most) = (sample(40, 40), sample(40, 44));
         assert_eq!(until.is_met([all, all]), Some(true));

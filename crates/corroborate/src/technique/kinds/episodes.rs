@@ -116,7 +116,11 @@ impl Prepared for Ready<'_> {
         rig.own_inputs(inputs);
         rig.reading_inputs(inputs);
         judging::inputs_of(study, inputs);
-        self.asked.entry.sampling.inputs(inputs);
+        let entry = self.asked.entry;
+        entry.sampling.inputs(inputs);
+        if let Some(rule) = &entry.sampling.until {
+            campaign::Until::new(study, entry, rule)?.inputs(inputs);
+        }
         Ok(())
     }
 
