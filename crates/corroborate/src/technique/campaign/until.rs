@@ -54,7 +54,7 @@ impl LevelOfVerdict {
                 with_threshold.count()
             }
         };
-        let of_system = |it: &Entry| it.technique.witness_of() == WitnessOf::System;
+        let of_system = |it: &Entry| it.work.parts().technique.witness_of() == WitnessOf::System;
         let pieces = study
             .ledger
             .iter()
