@@ -3,7 +3,7 @@
 use crate::support;
 
 use super::bad_input::assert_refused;
-use support::program::{Study, corroborate};
+use support::program::{Said, Study, corroborate};
 use support::root;
 
 /// `corroborate check` on the wrong models of `conformance/bad`: each of their mistakes is shown with its line.

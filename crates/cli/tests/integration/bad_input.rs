@@ -2,7 +2,7 @@
 
 use crate::support;
 
-use support::program::{Said, Study, corroborate};
+use support::program::{Said, Study};
 
 /// The message is about `code`, contains `place`, and says what to do.
 #[track_caller]
