@@ -14,7 +14,7 @@ use arguments::{Arguments, USAGE};
 use corroborate_bench::bench::{Line, Plan, run};
 use corroborate_bench::grammar::catalogue::Catalogue;
 use corroborate_bench::grammar::{judge, report, write};
-use corroborate_bench::table::tables;
+use corroborate_bench::table::{page, tables};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -107,14 +107,12 @@ fn benchmark(arguments: &Arguments) -> Result<(), String> {
     {
         eprintln!("{missed}");
     }
-    let mut page = format!("{} studies, seed {}.\n", lines.len(), plan.seed);
-    for table in tables(&lines) {
-        page.push_str(&format!("\n{}", table.markdown()));
-        if let Some(folder) = folder {
+    if let Some(folder) = folder {
+        for table in tables(&lines) {
             let path = folder.join(format!("{}.csv", table.name));
             trace::write_file(&path, table.csv().as_bytes()).map_err(|error| error.to_string())?;
         }
     }
-    println!("{page}");
+    println!("{}", page(&lines, plan.seed));
     Ok(())
 }

@@ -119,6 +119,19 @@ impl Table {
     }
 }
 
+/// What the benchmark says of its studies, which were made from this seed: all tables in Markdown.
+pub fn page(lines: &[Line], seed: u64) -> String {
+    let of_tables = tables(lines);
+    let of_tables = of_tables
+        .iter()
+        .map(|table| format!("\n{}", table.markdown()));
+    format!(
+        "{} studies, seed {seed}.\n{}",
+        lines.len(),
+        of_tables.collect::<String>()
+    )
+}
+
 /// All tables of the benchmark.
 #[must_use]
 pub fn tables(lines: &[Line]) -> Vec<Table> {

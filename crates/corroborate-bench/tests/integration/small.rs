@@ -5,7 +5,7 @@ use corroborate_bench::family::Family;
 use corroborate_bench::fault::Fault;
 use corroborate_bench::repair::{Repair, repair};
 use corroborate_bench::study::Synthetic;
-use corroborate_bench::table::tables;
+use corroborate_bench::table::{page, tables};
 
 fn share(lines: &[Line], wanted: impl Fn(&Line) -> bool, holds: impl Fn(&Line) -> bool) -> f64 {
     let chosen: Vec<&Line> = lines.iter().filter(|line| wanted(line)).collect();
@@ -16,6 +16,9 @@ fn share(lines: &[Line], wanted: impl Fn(&Line) -> bool, holds: impl Fn(&Line) -
 #[test]
 fn faults_are_found_and_located_and_nothing_is_taken_for_one() {
     let lines = run(&Plan::SMALL, &|_, _| ()).expect("all studies can be produced");
+    // For whoever wants to see them (the step `benchmark` of .ci/run).
+    let shown = concat!(env!("CARGO_TARGET_TMPDIR"), "/benchmark.md");
+    std::fs::write(shown, page(&lines, Plan::SMALL.seed)).expect("written");
     let is_conflict = |line: &Line| line.score.fault.is_conflict();
     let strong = |line: &Line| is_conflict(line) && line.score.theory.known >= 0.95;
     let found = share(&lines, strong, |line| line.score.found);
