@@ -9,7 +9,7 @@
 //! * [`add_constants`]: lines with new constants.
 //! * [`extend_range`]: a variable's range gets one more value, with a name.
 //! * [`add_branch`]: each probability `p` of a command becomes `p*(1-q)`, and a new update has the rest, `q`.
-//! * [`divide_update`], [`split_update`]: one outcome of a command becomes two.
+//! * [`divide_update`], [`split_update`]: one outcome of a command becomes two; [`with_outcome`]: it becomes another.
 //! * [`draw_once`]: commands that assign a variable are taken at most once in a run.
 //!
 //! # Guarantee
@@ -25,7 +25,8 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 pub use branch::{
-    Extension, add_branch, divide_update, extend_range, outcome, split_update, with_value,
+    Extension, add_branch, divide_update, extend_range, outcome, split_update, with_outcome,
+    with_value,
 };
 pub use once::draw_once;
 

@@ -9,6 +9,7 @@ mod draws;
 mod exchange;
 mod fit;
 mod form_change;
+mod idle;
 mod model_change;
 mod model_offers;
 mod named_numbers;
@@ -30,6 +31,7 @@ pub use diff::unified;
 pub use exchange::Exchange;
 pub use fit::{MOST as MOST_RUNS_OF_A_FIT, Tried, fitted};
 pub use form_change::FormChange;
+pub use idle::{Idle, never_taken};
 pub use model_change::{
     Alternative, Changed, ModelChange, NEAR, Refusal, SAME, SetConstant, Solver, Values, rate_of,
 };

@@ -27,6 +27,7 @@
 //!   likewise ([`crate::unreached`]).
 //! * *Branchless*: a branch of a command is taken out, and its probability goes to another one ([`crate::branches`]).
 //! * *Split*: a branch is put in for which a constant was written that nothing uses ([`crate::unused`]).
+//! * *Idle*: what leads to a value that the model declares or asks for and never comes to ([`crate::idle`]).
 //! * *Once*: if the constant has the counted share and the model's rate for the
 //!   failure differs all the same, the model draws more than once where the
 //!   counts have one opportunity. The commands are taken once.
@@ -52,6 +53,7 @@ pub(crate) use solving::{
 use crate::branches::{self, Branch};
 use crate::counts::Counts;
 use crate::draws::{Draw, Equality, draws, equalities, names_of};
+use crate::idle::{self, Idle};
 use crate::number::Number;
 use crate::solve::Scale;
 use crate::structure::FREE_VALUE;
@@ -133,6 +135,17 @@ pub enum ModelChange {
         subject: Subject,
         /// The branch.
         split: Split,
+        /// What was counted.
+        counts: Counts,
+        /// Of how many such changes that move a value.
+        tried: usize,
+    },
+    /// Lead to a value that the model declares or asks for, and never comes to.
+    Idle {
+        /// The failure mode or requirement that it explains.
+        subject: Subject,
+        /// What is changed.
+        change: Idle,
         /// What was counted.
         counts: Counts,
         /// Of how many such changes that move a value.
@@ -355,6 +368,7 @@ impl ModelChange {
             Self::Solve { subject, .. }
             | Self::Branch { subject, .. }
             | Self::Split { subject, .. }
+            | Self::Idle { subject, .. }
             | Self::Branchless { subject, .. } => subject.clone(),
         }
     }
@@ -366,6 +380,7 @@ impl ModelChange {
             Self::Solve { subject, .. }
             | Self::Branch { subject, .. }
             | Self::Split { subject, .. }
+            | Self::Idle { subject, .. }
             | Self::Branchless { subject, .. } => subject.id(),
         }
     }
@@ -378,6 +393,7 @@ impl ModelChange {
             | Self::Branch { counts, .. }
             | Self::Branchless { counts, .. }
             | Self::Split { counts, .. }
+            | Self::Idle { counts, .. }
             | Self::Once { counts, .. } => counts,
         }
     }
@@ -387,21 +403,21 @@ impl ModelChange {
     #[must_use]
     pub fn cost(&self) -> f64 {
         match self {
-            Self::Branchless { tried, .. } | Self::Split { tried, .. } => {
-                ((*tried).max(1) as f64).log10()
-            }
+            Self::Branchless { tried, .. }
+            | Self::Split { tried, .. }
+            | Self::Idle { tried, .. } => ((*tried).max(1) as f64).log10(),
             Self::Rate { .. } | Self::Solve { .. } | Self::Branch { .. } | Self::Once { .. } => {
                 FREE_VALUE
             }
         }
     }
 
-    /// Whether a branch that is lacking is put in where nothing else explains more: which place it has is for who knows the system.
+    /// Whether what is lacking is put in where nothing else explains more: which place it has is for who knows the system.
     #[must_use]
     pub fn is_of_lacking_branch(&self) -> bool {
         match self {
             Self::Branch { at, .. } => at.is_some(),
-            Self::Split { .. } => true,
+            Self::Split { .. } | Self::Idle { .. } => true,
             Self::Rate { .. }
             | Self::Solve { .. }
             | Self::Branchless { .. }
@@ -437,6 +453,7 @@ impl ModelChange {
             Self::Branch { .. } => self.branch(text, solver),
             Self::Branchless { branch, .. } => branches::without(text, solver, branch),
             Self::Split { split, .. } => unused::with(text, solver, split),
+            Self::Idle { change, .. } => idle::with(text, solver, change),
         }
     }
 }

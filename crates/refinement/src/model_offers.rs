@@ -9,7 +9,8 @@
 //! that does not give the rate, solved for; or, if it has the share already, the draw made once, else solved for. Then the
 //! same for requirements that this leaves in disagreement ([`crate::requirement_rates`]). Branches of commands that should not be
 //! there are tried where anything disagrees strongly ([`crate::branches`]), and so are those to states that a proposition names and
-//! nothing leads to ([`crate::unreached`]), and those for which a constant was written that nothing uses ([`crate::unused`]).
+//! nothing leads to ([`crate::unreached`]), those for which a constant was written that nothing uses ([`crate::unused`]), and what leads to
+//! values that the text declares or asks for ([`crate::idle`]).
 //!
 //! # Assumes
 //! One change is enough for each failure mode. The p-value takes all trials as independent ([`Counts::p_value`]), at one
@@ -120,6 +121,7 @@ impl Ground<'_> {
         self.of_branches(model, before, &mut found);
         self.of_unreached(model, before, &mut found);
         self.of_unused(model, before, &mut found);
+        self.of_idle(model, before, &mut found);
         found
     }
 

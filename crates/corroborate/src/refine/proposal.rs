@@ -442,10 +442,19 @@ pub fn model_proposal(
             ..
         } | ModelChange::Branchless { .. }
             | ModelChange::Split { .. }
+            | ModelChange::Idle { .. }
     );
     let is_a_guess = !changed.alternatives.is_empty() || (is_fitted && suspect != Some(1));
     // Which branches there are is decided by who knows the system.
     let is_structure = is_of_structure(&change);
+    // A number can be made to fit what a lacking branch does.
+    let never_taken = refinement::never_taken(asset.text).filter(|_| !is_structure);
+    if let Some((asked, line)) = &never_taken {
+        notes.push(format!(
+            "Look at line {line} first: it asks for `{asked}`, and no command leads there. If one should, this number makes up for it \
+             and is right as it is."
+        ));
+    }
     // What is right within the margin, or as far as chance tells, is not to be changed without being looked at.
     let repairs_nothing = tried.repairs.is_empty();
     if repairs_nothing {
@@ -470,7 +479,11 @@ pub fn model_proposal(
         effects: effects(result, before, &changed.values, &mode, counts),
         tried,
         notes,
-        needs_decision: is_harmful || repairs_nothing || is_a_guess || is_structure,
+        needs_decision: is_harmful
+            || repairs_nothing
+            || is_a_guess
+            || is_structure
+            || never_taken.is_some(),
         change: Change::Model {
             entry: entry.clone(),
             change,
@@ -522,6 +535,12 @@ fn reason(change: &ModelChange, [rate, after]: [Option<f64>; 2], counts: &Counts
              has this probability they agree, and nothing has to be fitted for it.",
             counts.words(),
             split.constant
+        ),
+        ModelChange::Idle { change, .. } => format!(
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. In the model's text {}. With this change they agree, \
+             and nothing has to be fitted for it.",
+            counts.words(),
+            change.hint()
         ),
         ModelChange::Branchless { .. } => format!(
             "The model's rate of {mode} is {rate:.6}, and it was counted in {}. Without one branch of a command they {}, and \

@@ -166,6 +166,12 @@ pub fn outcome(text: &str, update: &Update) -> String {
     text[span.start..span.end].to_owned()
 }
 
+/// An update that does something else, with its probability as it is.
+#[must_use]
+pub fn with_outcome(text: &str, update: &Update, to: &str) -> Edit {
+    Edit::replace(body(text, update), to)
+}
+
 /// A probability as a factor.
 fn factor(text: &str, probability: &Expr) -> String {
     let written = &text[probability.span.start..probability.span.end];

@@ -311,7 +311,9 @@ impl Reader<'_> {
                 ..(*other).clone()
             };
         }
-        form.other_rate = other_rate(self.source, &text.text, threshold);
+        let sentence = form.sentence.as_ref();
+        let is_of_sentence = sentence.is_some_and(|it| it.tree.probability.is_some());
+        form.other_rate = other_rate(self.source, &text.text, threshold, is_of_sentence);
         form.other_duration = form.sentence.as_ref().and_then(|sentence| {
             other_duration(self.source, &text.text, sentence, self.sentences.step_secs)
         });

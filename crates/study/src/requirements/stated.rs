@@ -62,11 +62,12 @@ struct Stated {
     place: Range<usize>,
 }
 
-/// That a text states another rate than the requirement asks for.
+/// That a text states another rate than the requirement asks for, by its key `threshold` or in its sentence.
 pub(super) fn other_rate(
     source: &Source,
     text: &Spanned<String>,
     threshold: Option<Threshold>,
+    is_of_sentence: bool,
 ) -> Option<Problem> {
     let stated = stated(text.get_ref())?;
     if is_same(stated.threshold, threshold.unwrap_or(CERTAINTY)) {
@@ -90,10 +91,13 @@ pub(super) fn other_rate(
         Some(at) => text.span().start + at..text.span().start + at + phrase.len(),
         None => text.span(),
     };
+    let words = format!("{} {}", direction(stated.threshold), stated.threshold.value);
+    let remedy = match is_of_sentence {
+        true => format!("write `with probability {words}` in the sentence"),
+        false => format!("write `threshold = \"{words}\"`"),
+    };
     Some(problem.at(source, place).remedy(format!(
-        "write `threshold = \"{} {}\"`, or correct the text: results are judged by the threshold alone",
-        direction(stated.threshold),
-        stated.threshold.value
+        "{remedy}, or correct the text: results are judged by the threshold alone"
     )))
 }
 
@@ -215,7 +219,7 @@ mod tests {
     fn warned(text: &str, asked: Option<Threshold>) -> Option<String> {
         let source = Source::new("requirements.toml", format!("text = \"{text}\""));
         let spanned = Spanned::new(7..9 + text.len(), text.to_owned());
-        other_rate(&source, &spanned, asked).map(|it| it.warning_line())
+        other_rate(&source, &spanned, asked, false).map(|it| it.warning_line())
     }
 
     #[test]
@@ -228,6 +232,12 @@ mod tests {
             "{line}"
         );
         assert!(line.contains("requirements.toml:1:31"), "{line}");
+        let source = Source::new("requirements.toml", format!("text = \"{text}\""));
+        let spanned = Spanned::new(7..9 + text.len(), text.to_owned());
+        for (is_of_sentence, remedy) in [(false, "write `threshold ="), (true, "in the sentence")] {
+            let problem = other_rate(&source, &spanned, asked, is_of_sentence).expect("a warning");
+            assert!(format!("{problem:?}").contains(remedy), "{problem:?}");
+        }
         let line = warned("At least 60% of handover attempts succeed.", None).expect("a warning");
         assert!(line.contains("no threshold is declared"), "{line}");
         for text in [

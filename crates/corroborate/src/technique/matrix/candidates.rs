@@ -15,6 +15,7 @@
 //! | a comparison in a `trace` binding is the other way round | nothing but that it can be |
 //! | a clause of a `trace` or `model` binding is negated, joined or compared otherwise, or left out (`clauses`) | nothing but that it can be |
 //! | a hand-written `property` or `formula` is negated or joined otherwise (`formulas`) | nothing but that it can be |
+//! | the property of a failure mode says that a proposition comes about (`formulas`) | its other forms name it |
 //! | a `model` binding has a further case | a state that the model comes to and no proposition names |
 //! | a signal in a `trace` binding is another | a signal of topics.toml that no proposition reads, and that the same can be said of |
 //! | the field that a signal is read `from` is another | a field of the recordings that no signal is read from, above all one that is called as the signal is |
@@ -343,7 +344,8 @@ fn other_states(text: &str, binding: &str) -> Vec<String> {
         (true, true) => formulas.into_iter().collect(),
         (true, false) => made_true(text).into_iter().collect(),
         (false, _) if labels.contains(binding) => labels.into_iter().collect(),
-        (false, _) => Vec::new(),
+        // Whatever it says of states, a variable that is made true may say it instead.
+        (false, _) => made_true(text).into_iter().collect(),
     }
 }
 

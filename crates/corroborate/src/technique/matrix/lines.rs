@@ -206,9 +206,15 @@ fn point(suspect: &mut Suspect, text: &str, change: &ModelChange, changed: &Chan
             suspect.asset.line = split.line(text);
             format!("a branch `{}`", split.written())
         }
+        ModelChange::Idle { change, .. } => {
+            suspect.asset.line = change.line(text);
+            format!("`{}`", change.part())
+        }
         ModelChange::Rate { .. } | ModelChange::Branch { .. } | ModelChange::Once { .. } => return,
     };
-    if let ModelChange::Branchless { .. } | ModelChange::Split { .. } = change {
+    if let ModelChange::Branchless { .. } | ModelChange::Split { .. } | ModelChange::Idle { .. } =
+        change
+    {
         suspect
             .explanation
             .push_str(&format!(" With {} the evidence agrees.", changed.what));

@@ -7,7 +7,7 @@
 //! * `|` for `&`, `or` for `and`, and back;
 //! * `<=` for `<`, `>=` for `>`, and back; in a `model` expression also the other way round (in a `trace` one
 //!   [`super::quantities`] does that), and `=` for `<=` and `>=`, and back;
-//! * an operand of `&` or `|` left out;
+//! * an operand of `&` or `|` left out; in a `trace` expression also one of another proposition's put behind it by `and`, or its negation;
 //! * in a `model` expression: a state of the variable that the model comes to and no proposition names, as a further case
 //!   beside `variable=value`; or `variable!=other` for it, where another proposition names `variable=other`;
 //! * in a `trace` expression that holds a signal against words, as `/robot.state == 'dropped'`: a further word that the proposition's
@@ -29,6 +29,9 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use study::{Study, SubjectForm, quoted_names};
 
+/// Clauses of other propositions that are put behind one, at most.
+const MOST_CLAUSES: usize = 24;
+
 /// Other ways to put the expressions together that subjects in disagreement read.
 pub(super) fn of_vocabulary(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> Vec<TextEdit> {
     let mut found = Vec::new();
@@ -43,6 +46,14 @@ pub(super) fn of_vocabulary(study: &Study, disagrees: &dyn Fn(&Subject) -> bool)
         let is_judged = forms().any(|form| of_monitor(form).contains(name));
         if let Some(place) = proposition.trace.as_ref().filter(|_| is_judged) {
             for new in rewritten(&place.text, Language::Trace) {
+                add(
+                    binding((name, "trace"), place, new, Reach::Runs, None),
+                    &mut found,
+                );
+            }
+            let others = study.vocabulary.propositions.values();
+            let others = others.filter_map(|it| Some(it.trace.as_ref()?.text.as_str()));
+            for new in further_clauses(&place.text, others) {
                 add(
                     binding((name, "trace"), place, new, Reach::Runs, None),
                     &mut found,
@@ -75,6 +86,38 @@ pub(super) fn of_vocabulary(study: &Study, disagrees: &dyn Fn(&Subject) -> bool)
         }
     }
     found
+}
+
+/// A trace expression with one clause more: what another proposition's expression consists of, or its negation.
+fn further_clauses<'t>(text: &str, others: impl Iterator<Item = &'t str>) -> Vec<String> {
+    let mut clauses: BTreeSet<String> = BTreeSet::new();
+    for other in others {
+        for operand in Chain::of(other, 0..other.len()).operands {
+            let clause = &other[operand];
+            let bare = clause.trim_start_matches("not ").trim_start_matches('!');
+            clauses.insert(bare.trim().to_owned());
+        }
+    }
+    let is_new = |clause: &&String| !clause.is_empty() && !plain(text).contains(&plain(clause));
+    let is_one = Chain::of(text, 0..text.len()).operands.len() == 1;
+    let own = match is_one {
+        true => text.to_owned(),
+        false => format!("({text})"),
+    };
+    let clauses = clauses.iter().filter(is_new).take(MOST_CLAUSES);
+    let both = clauses.flat_map(|clause| {
+        let contrary = match is_signal(clause) || clause.starts_with('(') {
+            true => format!("not {clause}"),
+            false => format!("not ({clause})"),
+        };
+        [clause.clone(), contrary]
+    });
+    both.map(|clause| format!("{own} and {clause}")).collect()
+}
+
+/// Whether a clause is a signal by itself.
+fn is_signal(clause: &str) -> bool {
+    clause.starts_with('/') && !clause.contains(|c: char| c.is_whitespace() || "<>=!()".contains(c))
 }
 
 /// The propositions that a form for models asks for, its trigger's among them.
@@ -494,6 +537,25 @@ fn has_state(text: &str, state: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_clause_of_another_proposition_is_put_behind_one() {
+        let others = [
+            "/gripper.open",
+            "/gripper.open and not /worker.grips",
+            "/crate.force > 40 N",
+        ];
+        let found = further_clauses("/gripper.open", others.into_iter());
+        let wanted = [
+            "/gripper.open and /crate.force > 40 N",
+            "/gripper.open and not (/crate.force > 40 N)",
+            "/gripper.open and /worker.grips",
+            "/gripper.open and not /worker.grips",
+        ];
+        assert_eq!(found, wanted);
+        let found = further_clauses("/a or /b", ["/c"].into_iter());
+        assert_eq!(found, ["(/a or /b) and /c", "(/a or /b) and not /c"]);
+    }
 
     #[test]
     fn clauses_of_traces_are_negated_joined_otherwise_and_left_out() {

@@ -3,7 +3,7 @@
 //! # Definition
 //! Of a property or a formula of a subject in disagreement, one at a time: a negation left out, or put before a proposition;
 //! `|` for `&`, `or` for `and`, and back; an implication for a conjunction, and back; `F` for `G`, `eventually` for `always`, and
-//! back, of the same or of its negation. In a formula also a quantity, a number or a comparison, as in the binding of a
+//! back, of the same or of its negation; of a failure mode also that what its monitor or its column names comes about. In a formula also a quantity, a number or a comparison, as in the binding of a
 //! proposition ([`super::quantities`]). Limits of time are in [`super::limits`], other propositions in [`super`].
 //!
 //! # Assumes
@@ -13,16 +13,19 @@
 //! That of [`super`]: none.
 
 use super::quantities::{add, in_predicate};
-use super::{REQUIREMENTS, Reach, TextEdit, block, part_of, values};
+use super::{REQUIREMENTS, Reach, TextEdit, block, of_monitor, part_of, values};
 use evidence::{Subject, SuspectKind};
 use std::ops::Range;
-use study::{Rule, Study, SubjectForm};
+use study::{Rule, Study, SubjectForm, quoted_names};
 
 /// Other clauses of properties and formulas.
 pub(super) fn of_forms(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> Vec<TextEdit> {
     let forms = study.forms.subjects.iter();
     let mut found = Vec::new();
     for form in forms.filter(|form| disagrees(&form.subject)) {
+        for edit in happens(study, form) {
+            add(edit, &mut found);
+        }
         for text in written(study, form) {
             let is_word = |word: &str| study.vocabulary.propositions.contains_key(word);
             for new in rewritten(&text.text, &is_word, text.negation) {
@@ -59,6 +62,37 @@ pub(super) fn of_forms(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> V
         }
     }
     found
+}
+
+/// A failure mode's property as what its other forms say: that a proposition comes about which they name, and its opportunity
+/// does not.
+fn happens(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
+    let property = form.property.as_ref().filter(|it| !it.from_sentence);
+    let (Some(property), Subject::FailureMode(_)) = (property, &form.subject) else {
+        return Vec::new();
+    };
+    let names = |text: &str| quoted_names(text).into_iter().map(|(name, _)| name);
+    let before: Vec<String> = form
+        .opportunity
+        .iter()
+        .flat_map(|it| names(&it.text))
+        .collect();
+    let words = &study.vocabulary.propositions;
+    let has_states = |name: &String| words.get(name).is_some_and(|it| it.model.is_some());
+    let named = of_monitor(form).into_iter().chain(form.experiment.clone());
+    let named = named.filter(|it| has_states(it) && !before.contains(it));
+    let edits = named.map(|name| TextEdit {
+        file: REQUIREMENTS,
+        span: property.span.clone(),
+        old: property.text.clone(),
+        new: format!("P=? [ F \"{name}\" ]"),
+        kind: SuspectKind::Property,
+        part: part_of(form, "property"),
+        reach: Reach::Models,
+        hint: Some(format!("the other forms of it name `{name}`")),
+        is_said: true,
+    });
+    edits.filter(|it| it.new != it.old).collect()
 }
 
 /// A form that was written by hand.
