@@ -7,8 +7,10 @@
 //!   its range: the number is written where the end was meant (`tries : [0..3]` with `tries<2`). In all comparisons of the guards
 //!   it becomes one end;
 //! * a counter that begins between the ends of its range: it begins at one of them;
-//! * a guard that asks for a value that no update gives (`cuts=1`): one update of the module does that, in place of what it does or
-//!   with it.
+//! * a guard that asks for a value that no update gives and that does not hold at the beginning (`cuts=1`): one update of the module
+//!   does that, in place of what it does or with it; or it holds at the beginning;
+//! * a variable that stands nowhere else: it counts how often something is tried again. Of one command one update leads, as often as
+//!   its range allows, to where another update of the module leads.
 //!
 //! Each such change is solved and tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts. No
 //! number is fitted: the text says it.
@@ -33,13 +35,14 @@ use crate::model_change::{
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
 use crate::structure::{Explaining, Tried};
-use crate::unreached::of_guards;
+use crate::unreached::{Lacking, of_guards};
+use crate::unused::is_used;
 use evidence::Subject;
 use prism_lang::ast::{BinaryOp, Command, Expr, ExprKind, ModuleBody, Variable, VariableRange};
 use prism_lang::edit::{self, Edit};
 
 /// Changes that are tried, at most.
-const MOST_CHANGES: usize = 200;
+const MOST_CHANGES: usize = 400;
 
 /// States times solutions, at most.
 const MOST_WORK: u64 = 20_000_000;
@@ -77,6 +80,19 @@ pub enum Idle {
         /// What the update does then.
         to: String,
     },
+    /// Another outcome of an update, as often as a variable's range allows.
+    Again {
+        /// The command, counted from 0 over all modules.
+        command: usize,
+        /// Its update, counted from 0.
+        update: usize,
+        /// The variable that counts.
+        variable: String,
+        /// The end of its range, as it is written; none for `bool`.
+        most: Option<String>,
+        /// What the update does as long as the end is not reached.
+        to: String,
+    },
 }
 
 impl Idle {
@@ -100,6 +116,7 @@ impl Idle {
         match self {
             Self::Limit { variable, old, .. } => format!("{old} of {variable}"),
             Self::Begin { variable, .. } => format!("init of {variable}"),
+            Self::Again { variable, .. } => format!("a command that counts {variable}"),
             Self::Outcome { asked, .. } => format!("an update to {asked}"),
         }
     }
@@ -112,7 +129,10 @@ impl Idle {
                 format!("the range of `{variable}` ends at {new}, and its guards name {old} alone")
             }
             Self::Begin { variable, new } => {
-                format!("the range of `{variable}` ends at {new}, and it begins between the ends")
+                format!("`{variable}` may be {new}, and never is")
+            }
+            Self::Again { variable, .. } => {
+                format!("`{variable}` is declared, and nothing uses it")
             }
             Self::Outcome { asked, .. } => {
                 format!("a guard asks for `{asked}`, and no update leads there")
@@ -130,6 +150,11 @@ impl Idle {
             }
             Self::Begin { variable, new } => {
                 format!("`{variable}` begins with {new}, in line {line}")
+            }
+            Self::Again { to, variable, .. } => {
+                format!(
+                    "`{to}` as what an update of line {line} does, as often as `{variable}` counts"
+                )
             }
             Self::Outcome { to, .. } => format!("`{to}` as what an update of line {line} does"),
         }
@@ -170,7 +195,69 @@ impl Idle {
                     .ok_or("the command has no such update")?;
                 Ok(vec![edit::with_outcome(read.text, update, to)])
             }
+            Self::Again { .. } => self.again(read),
         }
+    }
+
+    /// The command as it is where the end is reached, and before it one that counts.
+    fn again(&self, read: &Read<'_>) -> Result<Vec<Edit>, Refusal> {
+        let Self::Again {
+            command,
+            update,
+            variable,
+            most,
+            to,
+        } = self
+        else {
+            return Err("it counts nothing".into());
+        };
+        let all = commands(&read.tree);
+        let command = all.get(*command).ok_or("the model has no such command")?;
+        let update = command
+            .updates
+            .get(*update)
+            .ok_or("the command has no such update")?;
+        let guard = &read.text[command.guard.span.start..command.guard.span.end];
+        let (before, at_end, counted) = match most {
+            Some(most) => (
+                format!("({guard}) & {variable}<{most}"),
+                format!("({guard}) & {variable}={most}"),
+                format!("({variable}'={variable}+1)"),
+            ),
+            None => (
+                format!("({guard}) & !{variable}"),
+                format!("({guard}) & {variable}"),
+                format!("({variable}'=true)"),
+            ),
+        };
+        let does = match to.as_str() {
+            "true" => counted,
+            to => format!("{to} & {counted}"),
+        };
+        let counting = [
+            Edit::replace(command.guard.span, before),
+            edit::with_outcome(read.text, update, &does),
+        ];
+        let ending = [Edit::replace(command.guard.span, at_end)];
+        let span = command.span;
+        let written = |edits: &[Edit]| {
+            let mut text = String::new();
+            let mut at = span.start;
+            for edit in edits {
+                text.push_str(&read.text[at..edit.span.start]);
+                text.push_str(&edit.text);
+                at = edit.span.end;
+            }
+            text.push_str(&read.text[at..span.end]);
+            text.trim_end_matches(';').to_owned()
+        };
+        let end = if read.text[..span.end].ends_with(';') {
+            ";"
+        } else {
+            ""
+        };
+        let both = format!("{};\n  {}{end}", written(&counting), written(&ending));
+        Ok(vec![Edit::replace(span, both)])
     }
 
     fn make(&self, read: &Read<'_>) -> Result<String, Refusal> {
@@ -267,7 +354,7 @@ pub(crate) fn with(text: &str, solver: &dyn Solver, change: &Idle) -> Result<Cha
 #[must_use]
 pub fn never_taken(text: &str) -> Option<(String, u32)> {
     let read = Read::new(text).ok()?;
-    let asked = of_guards(&read).into_iter().next()?;
+    let asked = asked_in_vain(&read).into_iter().next()?;
     let all = commands(&read.tree);
     let named = |command: &&&Command| {
         let all = draws::named_in_guard(command, &read.tree.formulas);
@@ -329,7 +416,66 @@ fn changes(read: &Read<'_>) -> Vec<(u8, Idle)> {
             }));
         }
     }
+    for asked in asked_in_vain(read) {
+        let new = asked.value;
+        let begins = Idle::Begin {
+            variable: asked.variable,
+            new,
+        };
+        if !found.contains(&(1, begins.clone())) {
+            found.push((1, begins));
+        }
+    }
     found.extend(outcomes(read).into_iter().map(|it| (2, it)));
+    found.extend(repetitions(read).into_iter().map(|it| (3, it)));
+    found
+}
+
+/// Updates that lead elsewhere, as often as a variable counts that stands nowhere else.
+fn repetitions(read: &Read<'_>) -> Vec<Idle> {
+    let mut found = Vec::new();
+    let mut first = 0;
+    for module in &read.tree.modules {
+        let ModuleBody::Written {
+            commands: own,
+            variables,
+            ..
+        } = &module.body
+        else {
+            continue;
+        };
+        let mut outcomes: Vec<String> = Vec::new();
+        for update in own.iter().flat_map(|it| &it.updates) {
+            let outcome = edit::outcome(read.text, update);
+            if !outcomes.contains(&outcome) {
+                outcomes.push(outcome);
+            }
+        }
+        let unused = variables
+            .iter()
+            .filter(|it| !is_used(read.text, &it.name.text));
+        for variable in unused {
+            let most = match &variable.range {
+                VariableRange::Bool => None,
+                VariableRange::Int { high, .. } => Some(high.to_string()),
+                VariableRange::Unbounded | VariableRange::Clock => continue,
+            };
+            for (place, command) in own.iter().enumerate() {
+                for (number, update) in command.updates.iter().enumerate() {
+                    let own = edit::outcome(read.text, update);
+                    let others = outcomes.iter().filter(|it| **it != own);
+                    found.extend(others.map(|to| Idle::Again {
+                        command: first + place,
+                        update: number,
+                        variable: variable.name.text.clone(),
+                        most: most.clone(),
+                        to: to.clone(),
+                    }));
+                }
+            }
+        }
+        first += own.len();
+    }
     found
 }
 
@@ -400,9 +546,25 @@ fn limits<'r>(read: &'r Read<'_>, variable: &str) -> Vec<(&'r Expr, i64)> {
     found.into_iter().filter_map(with_value).collect()
 }
 
+/// What guards ask for and no update leads to. What a variable comes to by counting or computing is not read off the text.
+fn asked_in_vain(read: &Read<'_>) -> Vec<Lacking> {
+    let all = commands(&read.tree);
+    let is_computed = |name: &str| {
+        let mut assignments = all
+            .iter()
+            .flat_map(|it| &it.updates)
+            .flat_map(|it| &it.assignments);
+        assignments.any(|it| {
+            it.variable.text == name && draws::value_of(&it.value, None, &read.model).is_none()
+        })
+    };
+    let asked = of_guards(read).into_iter();
+    asked.filter(|it| !is_computed(&it.variable)).collect()
+}
+
 /// The updates of the module that owns what a guard asks for, which lead there in place of what they do, or with it.
 fn outcomes(read: &Read<'_>) -> Vec<Idle> {
-    let lacking = of_guards(read);
+    let lacking = asked_in_vain(read);
     let mut found = Vec::new();
     let mut first = 0;
     for module in &read.tree.modules {
@@ -496,5 +658,44 @@ endmodule
         let read = Read::new(&right).expect("a model");
         assert_eq!(changes(&read), []);
         assert_eq!(never_taken(&right), None);
+    }
+
+    #[test]
+    fn what_nothing_uses_counts_how_often_it_is_tried_again() {
+        let model = "dtmc
+module door
+  s : [0..2] init 0;
+  tries : [0..1] init 0;
+  [] s=0 -> 0.5 : (s'=1) + 0.5 : (s'=2);
+  [] s>0 -> true;
+endmodule
+";
+        let read = Read::new(model).expect("a model");
+        let all = changes(&read);
+        assert!(all.iter().all(|(kind, _)| *kind == 3), "{all:?}");
+        let made: Vec<String> = all
+            .iter()
+            .filter_map(|(_, it)| it.make(&read).ok())
+            .collect();
+        let wanted = "  [] (s=0) & tries<1 -> 0.5 : (s'=1) + 0.5 : (s'=1) & (tries'=tries+1);
+  [] (s=0) & tries=1 -> 0.5 : (s'=1) + 0.5 : (s'=2);
+";
+        assert!(made.iter().any(|it| it.contains(wanted)), "{made:#?}");
+        assert!(made.iter().all(|text| Read::new(text).is_ok()));
+    }
+
+    #[test]
+    fn a_value_that_a_guard_asks_for_may_hold_at_the_beginning() {
+        let model = MODEL.replace("cuts : [0..1] init 0", "cuts : [0..1] init 1");
+        let model = model.replace(
+            "(s'=3);\n  [] s=1 & cuts=1",
+            "(cuts'=1);\n  [] s=1 & cuts=1",
+        );
+        let read = Read::new(&model).expect("a model");
+        let begins = Idle::Begin {
+            variable: "cuts".into(),
+            new: "0".into(),
+        };
+        assert!(changes(&read).contains(&(1, begins)));
     }
 }

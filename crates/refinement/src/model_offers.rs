@@ -26,7 +26,7 @@ use crate::model_change::{
     rate_or_solve,
 };
 use crate::unreached::Word;
-use evidence::{Comparison, Evidence, FailureMode, Requirement, STRONG, Subject};
+use evidence::{Comparison, Evidence, FailureMode, Measure, Requirement, STRONG, Subject};
 
 /// A study's evidence, and what it declares.
 #[derive(Clone, Copy, Debug)]
@@ -135,7 +135,15 @@ impl Ground<'_> {
         let mode = asked.mode.clone();
         let rate = rate_of(before, &mode);
         let target = self.evidence.iter().find(|e| e.id == model.evidence)?;
-        let counted = anchors(self.evidence, target, &Subject::FailureMode(mode.clone()));
+        let subject = Subject::FailureMode(mode.clone());
+        // A model that does not speak of the opportunity lacks nothing.
+        let is_outside = target
+            .finding(&subject)
+            .is_some_and(|it| matches!(it.measure, Measure::NotCovered { .. }));
+        if is_outside && rate.is_none() {
+            return None;
+        }
+        let counted = anchors(self.evidence, target, &subject);
         let Some(occurs) = asked.occurs.clone() else {
             let is_missing = rate.is_none() && counted.iter().any(|it| it.count > 0);
             let reason = "its `occurs` names no single proposition of the model";

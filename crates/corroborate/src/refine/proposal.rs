@@ -83,6 +83,11 @@ impl Proposal {
         matches!(&self.change, Change::Model { change, .. } if is_fitted(change))
     }
 
+    /// Whether it says which branches a model has.
+    pub(super) fn is_structural(&self) -> bool {
+        matches!(&self.change, Change::Model { change, .. } if is_of_structure(change))
+    }
+
     fn is_exchange(&self) -> bool {
         matches!(self.change, Change::Exchange { .. })
     }
@@ -178,7 +183,7 @@ impl Offered {
             }
         }
         self.proposals = kept;
-        self.in_order();
+        self.in_order(result.suspected());
         Ok(())
     }
 
@@ -270,10 +275,35 @@ impl Offered {
         }
     }
 
-    /// Puts what does no harm before what does, and of these what is for the first suspects first.
-    pub(super) fn in_order(&mut self) {
-        let place = |it: &Proposal| (it.tried.is_harmful(), it.suspect.unwrap_or(u32::MAX));
-        self.proposals.sort_by_key(place);
+    /// Puts what does no harm before what does, and of these what is for the first suspects first; but a search for a number behind
+    /// what explains all that it is for with a value that is known.
+    pub(super) fn in_order(&mut self, suspects: &[Suspect]) {
+        let offered: Vec<u32> = self.proposals.iter().filter_map(|it| it.suspect).collect();
+        let edits = suspects
+            .iter()
+            .filter(|it| it.is_open() && offered.contains(&it.rank));
+        let edits: Vec<&Suspect> = edits
+            .filter(|it| {
+                let mut all = it.symptoms.iter();
+                all.any(|symptom| matches!(symptom, Symptom::EditExplains { .. }))
+            })
+            .collect();
+        let is_late = |it: &Proposal| {
+            let mut subjects = it
+                .tried
+                .repairs
+                .iter()
+                .map(|touch| &touch.subject)
+                .peekable();
+            let is_explained =
+                |subject: &Subject| edits.iter().any(|edit| edit.subjects.contains(subject));
+            let is_search = matches!(it.change, Change::FitCommand(_) | Change::Recalibrate(_));
+            is_search && subjects.peek().is_some() && subjects.all(is_explained)
+        };
+        self.proposals.sort_by_cached_key(|it| {
+            let suspect = it.suspect.unwrap_or(u32::MAX);
+            (it.tried.is_harmful(), is_late(it), suspect)
+        });
         for (number, proposal) in (1..).zip(&mut self.proposals) {
             proposal.number = number;
         }
@@ -706,7 +736,7 @@ mod tests {
         offered.add(proposal(Some(1), exchange, "slip"));
         offered.add(proposal(None, value(), "another"));
         offered.add(proposal(Some(0), value(), "miss"));
-        offered.in_order();
+        offered.in_order(&[]);
         offered.await_exchanges(&[(1, &subjects)]);
         let waits = |moves: &str| {
             let of = Subject::FailureMode(moves.into());

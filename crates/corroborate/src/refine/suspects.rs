@@ -88,7 +88,7 @@ pub fn offered(
         offered.refused.push(UNDIAGNOSED.to_owned());
     }
     of_forms(study, result, &mut offered);
-    offered.in_order();
+    offered.in_order(result.suspected());
     let touched = result.suspected().iter();
     let touched: Vec<(u32, &[Subject])> = touched
         .map(|it| (it.rank, it.subjects.as_slice()))
@@ -140,8 +140,10 @@ impl Offering<'_> {
                     let left = left.map(|(subject, left)| (subject.clone(), left));
                     let mut new =
                         model_proposal(self.result, asset, &before, (suspect, tried), change);
-                    // Of several failures each is fixed by itself; a number that is fitted to a requirement has to explain all.
-                    let left = left.filter(|(_, left)| *left > STRONG && new.is_fitted());
+                    // Of several failures each is fixed by itself; a number that is fitted to a requirement, and a branch, have to explain all.
+                    let left = left.filter(|(_, left)| {
+                        *left > STRONG && (new.is_fitted() || new.is_structural())
+                    });
                     if let Some((subject, _)) = left {
                         new.needs_decision = true;
                         new.notes.push(format!(

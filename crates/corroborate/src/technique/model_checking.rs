@@ -74,6 +74,8 @@ struct Question<'a> {
     has_choices: bool,
     /// Why this model cannot be asked, if so.
     missing: Option<String>,
+    /// Whether it knows nothing of the situation that is asked about, so that it excludes nothing there.
+    is_outside: bool,
 }
 
 /// A computed rate that is nearer to 0 or 1 may be that of a property which has one truth value on all runs.
@@ -156,15 +158,19 @@ impl<'a> Compiled<'a> {
                 continue;
             };
             let texts = [Some(property), form.opportunity.as_ref()];
-            let missing = texts
-                .into_iter()
-                .flatten()
-                .flat_map(|text| quoted_names(&text.text))
-                .find_map(|(name, _)| self.not_expressed.get(name.as_str()))
-                .map(|reason| {
-                    let reason = reason.trim_end_matches('.');
-                    format!("The model does not express it: {reason}.")
-                });
+            let unknown = |text: &FormText| {
+                let mut names = quoted_names(&text.text).into_iter();
+                names.find_map(|(name, _)| self.not_expressed.get(name.as_str()))
+            };
+            let outside = form.opportunity.as_ref().and_then(unknown);
+            let missing = match outside {
+                Some(reason) => Some(("The model does not speak of its opportunity", reason)),
+                None => unknown(property).map(|reason| ("The model does not express it", reason)),
+            };
+            let missing = missing.map(|(what, reason)| {
+                let reason = reason.trim_end_matches('.');
+                format!("{what}: {reason}.")
+            });
             if missing.is_none() {
                 for text in texts.into_iter().flatten() {
                     self.property(&self.model, text)?;
@@ -187,6 +193,7 @@ impl<'a> Compiled<'a> {
                 over,
                 has_choices: self.model.model_type.has_choices(),
                 missing,
+                is_outside: outside.is_some(),
             });
         }
         Ok(questions)
@@ -304,8 +311,13 @@ impl<'a> Compiled<'a> {
         for question in &self.questions {
             let asked = match &question.missing {
                 Some(reason) => Asked {
-                    measure: Measure::NotExpressible {
-                        reason: reason.clone(),
+                    measure: match question.is_outside {
+                        true => Measure::NotCovered {
+                            reason: reason.clone(),
+                        },
+                        false => Measure::NotExpressible {
+                            reason: reason.clone(),
+                        },
                     },
                     denominator: Denominator::default(),
                     trigger: None,
@@ -363,9 +375,10 @@ impl<'a> Compiled<'a> {
         question: &Question,
         problem: Problem,
     ) -> Result<Asked, Problem> {
-        let form = self.study.forms.of(question.subject);
-        let property = form.and_then(|form| form.property.as_ref());
-        match property.filter(|it| it.from_sentence && given::is_refused(&problem)) {
+        match self
+            .derived(question)
+            .filter(|_| given::is_refused(&problem))
+        {
             None => Err(problem),
             Some(property) => Ok(Asked {
                 measure: Measure::NotExpressible {
@@ -378,6 +391,26 @@ impl<'a> Compiled<'a> {
                 denominator: Denominator::default(),
                 trigger: None,
             }),
+        }
+    }
+
+    /// The property of a question, if it follows from a sentence.
+    fn derived(&self, question: &Question) -> Option<&FormText> {
+        let form = self.study.forms.of(question.subject)?;
+        form.property.as_ref().filter(|it| it.from_sentence)
+    }
+
+    /// A value of a question; `None` where the model cannot be asked what its sentence says, as when evidence is made.
+    fn unless_refused<T>(
+        &self,
+        question: &Question,
+        value: Result<T, Problem>,
+    ) -> Result<Option<T>, Problem> {
+        match value {
+            Err(problem) if given::is_refused(&problem) && self.derived(question).is_some() => {
+                Ok(None)
+            }
+            value => value.map(Some),
         }
     }
 

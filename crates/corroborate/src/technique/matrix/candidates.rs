@@ -370,6 +370,15 @@ fn made_true(text: &str) -> BTreeSet<String> {
     updates.collect()
 }
 
+/// Whether a state stands in a text, and not as a part of a longer name or number.
+fn mentions(text: &str, state: &str) -> bool {
+    let is_part = |c: Option<char>| c.is_some_and(|c| c.is_ascii_alphanumeric() || c == '_');
+    text.match_indices(state).any(|(at, _)| {
+        !is_part(text[..at].chars().next_back())
+            && !is_part(text[at + state.len()..].chars().next())
+    })
+}
+
 /// Bindings to states that the models come to and that no proposition names.
 fn model_bindings(study: &Study) -> Result<Vec<TextEdit>, Problem> {
     let bound: Vec<(&String, &study::Binding)> = study
@@ -387,7 +396,8 @@ fn model_bindings(study: &Study) -> Result<Vec<TextEdit>, Problem> {
         let text = host::files::read_prism(&study.folder.join(model))?.0.text;
         for (name, place) in &bound {
             for new in other_states(&text, &place.text) {
-                if known.contains(&plain(&new)) {
+                let mut all = known.iter();
+                if all.any(|text| mentions(text, &plain(&new))) {
                     continue;
                 }
                 let all = bound.iter().map(|(_, place)| place.text.as_str());

@@ -42,7 +42,10 @@ impl Compiled<'_> {
         for question in &self.questions {
             let rate = match question.missing {
                 Some(_) => None,
-                None => question.rate_at(&mut value)?.0,
+                None => {
+                    let rate = self.unless_refused(question, question.rate_at(&mut value))?;
+                    rate.and_then(|(rate, _)| rate)
+                }
             };
             values.insert(question.subject.clone(), rate);
         }

@@ -187,7 +187,10 @@ impl Compiled<'_> {
         };
         let rate = |question: &super::Question<'_>| match question.missing {
             Some(_) => Ok(Rate::default()),
-            None => question.ends_at(&mut value),
+            None => {
+                let ends = question.ends_at(&mut value);
+                Ok(self.unless_refused(question, ends)?.unwrap_or_default())
+            }
         };
         self.questions.iter().map(rate).collect()
     }

@@ -20,6 +20,7 @@ use super::{REQUIREMENTS, Reach, TextEdit, block, part_of, values};
 use evidence::{Subject, SuspectKind};
 use std::ops::Range;
 use study::{Study, SubjectForm, Work};
+use trace::units::QuantityValue;
 
 /// Slips of a limit.
 const FACTORS: [f64; 6] = [10.0, 0.1, 60.0, 1.0 / 60.0, 2.0, 0.5];
@@ -400,6 +401,23 @@ fn number_like(limit: &Limit, number: f64, is_property: bool) -> String {
         true => format!("{}", (number + SAME_SECS).floor()),
         false => format!("{}", (number * 1e9).round() / 1e9),
     }
+}
+
+/// Whether a text says a quantity, in whatever unit.
+pub(super) fn says(text: &str, wanted: &QuantityValue) -> bool {
+    let is_wanted =
+        |value: f64| (value - wanted.si_value()).abs() <= SAME_SECS * value.abs().max(1.0);
+    let is_time = "1 s"
+        .parse::<QuantityValue>()
+        .is_ok_and(|it| it.dimension() == wanted.dimension());
+    let quantities = super::topics::numbers_with_units(text)
+        .into_iter()
+        .filter_map(|(_, number, unit)| {
+            let value = format!("{number} {unit}").parse::<QuantityValue>().ok()?;
+            (value.dimension() == wanted.dimension()).then(|| value.si_value())
+        });
+    let durations = durations(text).into_iter().filter(|_| is_time);
+    quantities.chain(durations).any(is_wanted)
 }
 
 /// The durations in a text, in seconds.

@@ -6,6 +6,9 @@
 //! * the text of the requirement has the other's name, and not this one's: then the text says it; or
 //! * no other subject reads the other: then a place is free for it.
 //!
+//! Likewise each parameter in turn becomes another one of the same dimension; where the text of the requirement has the other's name
+//! or its value, and not this one's, the text says it.
+//!
 //! # Assumes
 //! Nothing of the data. What is suggested is tried.
 //!
@@ -14,10 +17,11 @@
 
 use super::clauses::of_property;
 use super::quantities::add;
-use super::{REQUIREMENTS, Reach, TextEdit, of_monitor, part_of};
+use super::{REQUIREMENTS, Reach, TextEdit, limits, of_monitor, part_of};
 use evidence::{Subject, SuspectKind};
 use std::ops::Range;
 use study::{Study, SubjectForm};
+use trace::units::QuantityValue;
 
 /// Other propositions in sentences.
 pub(super) fn of_requirements(
@@ -34,6 +38,9 @@ pub(super) fn of_requirements(
             continue;
         };
         let (span, sentence) = (&written.span, &written.text);
+        for edit in other_parameters(study, (form, &requirement.text), (span, sentence)) {
+            add(edit, &mut found);
+        }
         for (place, word) in words_of(sentence) {
             let Some(old) = words.get(word) else { continue };
             let is_trigger = sentence.find(" shall ").is_some_and(|at| place.start < at);
@@ -67,6 +74,45 @@ pub(super) fn of_requirements(
                 };
                 add(edit, &mut found);
             }
+        }
+    }
+    found
+}
+
+/// Other parameters of the same dimension in a sentence.
+fn other_parameters(
+    study: &Study,
+    (form, text): (&SubjectForm, &str),
+    (span, sentence): (&Range<usize>, &str),
+) -> Vec<TextEdit> {
+    let values = &study.parameters.values;
+    let mut found = Vec::new();
+    for (place, word) in words_of(sentence) {
+        let Some(own) = values.get(word) else {
+            continue;
+        };
+        for other in study.parameters.declared.keys() {
+            let Some(new) = values.get(other) else {
+                continue;
+            };
+            if new.dimension() != own.dimension() || new.si_value() == own.si_value() {
+                continue;
+            }
+            let says =
+                |name: &str, value: &QuantityValue| names(text, name) || limits::says(text, value);
+            let is_said = says(other, new) && !says(word, own);
+            found.push(TextEdit {
+                file: REQUIREMENTS,
+                span: span.start + place.start..span.start + place.end,
+                old: word.to_owned(),
+                new: other.clone(),
+                kind: SuspectKind::Property,
+                part: part_of(form, "sentence"),
+                reach: Reach::All,
+                hint: is_said
+                    .then(|| format!("the text of the requirement says `{other}` or its value")),
+                is_said,
+            });
         }
     }
     found
