@@ -312,7 +312,13 @@ impl Ground<'_> {
         let made = explaining.into_iter().take(MOST_OFFERS).enumerate();
         let made: Vec<(ModelChange, Changed)> = made
             .filter_map(|(number, it)| {
-                let Explaining { change: (change, text), values, tried, subjects, .. } = it;
+                let Explaining {
+                    change: (change, text),
+                    values,
+                    tried,
+                    subjects,
+                    ..
+                } = it;
                 let subject: Subject = subjects.into_iter().next()?;
                 let counts = anchors(self.evidence, own, &subject).into_iter().next()?;
                 let others = named.iter().enumerate().filter(|(at, _)| *at != number);
@@ -322,17 +328,35 @@ impl Ground<'_> {
                     constant: None,
                     values,
                     notes: vec![format!(
-                        "No number was fitted for it: {}. {} other changes of the kind were tried that change what is answered.",
+                        "No number was fitted for it: {}. {}.",
                         change.hint(),
-                        tried.saturating_sub(1)
+                        others_tried(tried.saturating_sub(1))
                     )],
                     alternatives: others.map(|(_, it)| it.clone()).collect(),
                     settled: None,
                 };
-                Some((ModelChange::Idle { subject, change, counts, tried }, changed))
+                Some((
+                    ModelChange::Idle {
+                        subject,
+                        change,
+                        counts,
+                        tried,
+                    },
+                    changed,
+                ))
             })
             .collect();
         found.changes.splice(0..0, made);
+    }
+}
+
+fn others_tried(count: usize) -> String {
+    match count {
+        0 => "No other change of the kind moves what is answered".to_owned(),
+        1 => "One other change of the kind was tried that moves what is answered".to_owned(),
+        count => {
+            format!("{count} other changes of the kind were tried that move what is answered")
+        }
     }
 }
 

@@ -358,11 +358,10 @@ const ROUNDS: u32 = 8;
 pub fn ln_together(rates: &[Rate], margin: f64) -> f64 {
     let mut computed: Option<f64> = None;
     let mut window = margin;
+    let mut is_contradiction = false;
     for rate in rates {
         if let Some(value) = rate.computed() {
-            if computed.is_some_and(|first| (first - value).abs() > margin) {
-                return -CERTAIN * std::f64::consts::LN_10;
-            }
+            is_contradiction |= computed.is_some_and(|first| (first - value).abs() > margin);
             // That it cannot happen says more than that it is rare.
             computed = match *rate {
                 Rate::Never => Some(0.0),
@@ -372,11 +371,13 @@ pub fn ln_together(rates: &[Rate], margin: f64) -> f64 {
         }
     }
     let [count, trials] = pooled(rates, computed);
-    let found = match computed {
-        Some(value) => near(value, window, count, trials),
+    // Relative to what the counts would weigh by themselves: that alone can be much less than a certainty.
+    let least = marginal(count, trials) - CERTAIN * std::f64::consts::LN_10;
+    match computed {
+        Some(_) if is_contradiction => least,
+        Some(value) => near(value, window, count, trials).max(least),
         None => marginal(count, trials),
-    };
-    found.max(marginal(count, trials) - CERTAIN * std::f64::consts::LN_10)
+    }
 }
 
 /// All counts in one, their open runs as near to the computed value, or else to the share of all, as they can be.
@@ -454,6 +455,21 @@ mod tests {
                 (found - exact).abs() < 1e-3,
                 "{count} of {trials}: {found} {exact}"
             );
+        }
+    }
+
+    /// However much counts weigh by themselves, that two models contradict each other is against what they say together.
+    #[test]
+    fn models_that_contradict_each_other_have_no_rate_with_many_counts() {
+        let (one, other) = (Rate::Computed(0.65), Rate::Computed(0.87));
+        for trials in [10, 1_000, 100_000] {
+            let counted = Rate::counted(trials * 87 / 100, trials);
+            let [with_both, with_one, alone] =
+                [&[one, other, counted][..], &[other, counted], &[counted]]
+                    .map(|rates| ln_together(rates, 0.05));
+            assert!(with_both < with_one, "{trials}: {with_both} {with_one}");
+            let against = (alone - with_both) / std::f64::consts::LN_10;
+            assert!((against - CERTAIN).abs() < 1e-9, "{trials}: {against}");
         }
     }
 

@@ -9,11 +9,13 @@
 //! * they are the same runs of one simulator ([`crate::SharedSeeds`]);
 //! * rows of their tables repeat each other beyond chance, or most statements of their models ([`crate::CommonText`]).
 //!
-//! The *voice* of a piece is the set of pieces that are reached from it by such pairs.
+//! The *voice* of a piece is the set of pieces that are reached from it by such pairs. What was set to counts of the subject has the
+//! voice of these on it, and no other: a model that was refined shares its text with the one before, and says on the subject what
+//! was counted, so it does not join the one before to the counts.
 //!
 //! # Assumes
-//! What pieces share shows in assets, calibrations, questions or tables, and pieces that share it with a third share it
-//! with each other.
+//! What pieces share shows in assets, calibrations, questions or tables, and pieces that share it with a third that speaks for
+//! itself share it with each other.
 //!
 //! # Source and guarantee
 //! Pieces that inherit one error are not independent witnesses (L. Bovens, S. Hartmann, "Bayesian Epistemology", 2003,
@@ -45,6 +47,27 @@ fn share_file(one: &Evidence, other: &Evidence) -> bool {
     })
 }
 
+/// Whether two pieces have one voice on a subject, as far as these two say.
+fn have_one_voice(one: &Evidence, other: &Evidence, subject: &Subject, all: &[&Evidence]) -> bool {
+    let is_set = |piece: &Evidence| {
+        let mut own = piece.calibrated.iter();
+        own.any(|c| &c.subject == subject && all.iter().any(|it| it.id == c.from))
+    };
+    match is_set(one) || is_set(other) {
+        true => {
+            share_counts(one, other, subject)
+                || is_calibrated(one, other, subject)
+                || is_calibrated(other, one, subject)
+        }
+        false => share_assumption(one, other, subject),
+    }
+}
+
+fn is_calibrated(copy: &Evidence, source: &Evidence, subject: &Subject) -> bool {
+    let mut all = copy.calibrated.iter();
+    all.any(|c| c.from == source.id && &c.subject == subject)
+}
+
 fn share_counts(one: &Evidence, other: &Evidence, subject: &Subject) -> bool {
     let of = |piece: &Evidence| -> Vec<String> {
         let all = piece.calibrated.iter().filter(|c| &c.subject == subject);
@@ -56,15 +79,11 @@ fn share_counts(one: &Evidence, other: &Evidence, subject: &Subject) -> bool {
 
 /// Whether `copy` was set to `source` on the subject, or looks so.
 fn is_taken(copy: &Evidence, source: &Evidence, subject: &Subject) -> bool {
-    let calibrated = copy
-        .calibrated
-        .iter()
-        .any(|c| c.from == source.id && &c.subject == subject);
     let asked = copy.lineage_questions.iter().any(|question| {
         let bears = question.subjects.is_empty() || question.subjects.contains(subject);
         question.with == source.id && bears && question.is_open()
     });
-    calibrated
+    is_calibrated(copy, source, subject)
         || asked
         || copy.shared_rows.iter().any(|rows| rows.with == source.id)
         || copy
@@ -81,7 +100,7 @@ pub fn voices<'e>(pieces: &[&'e Evidence], subject: &Subject) -> Vec<Vec<&'e Evi
     for piece in pieces {
         let is_own = |voice: &Vec<&Evidence>| {
             let mut members = voice.iter();
-            members.any(|member| share_assumption(member, piece, subject))
+            members.any(|member| have_one_voice(member, piece, subject, pieces))
         };
         let (own, rest): (Vec<_>, Vec<_>) = voices.into_iter().partition(is_own);
         voices = rest;
