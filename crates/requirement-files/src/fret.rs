@@ -10,6 +10,7 @@
 //! and J. Schumann, "Automated formalization of structured natural language requirements", Information and Software Technology
 //! 137, 2021.
 
+mod continuation;
 mod expression;
 mod meaning;
 mod sentence;

@@ -44,6 +44,8 @@ pub enum Verdict {
     Same,
     /// A word tells them apart.
     Differs,
+    /// On runs that end, FRET excuses what could still come; no word told them apart in anything else.
+    Excuses,
     /// They were not compared.
     NotCompared,
 }
@@ -57,7 +59,7 @@ pub struct ComparisonShown {
     pub words: usize,
     /// Up to this length, all were.
     pub all_up_to: usize,
-    /// A word that tells them apart, or why they were not compared.
+    /// A word that tells them apart or is excused, or why they were not compared.
     pub reason: Option<String>,
 }
 
@@ -77,6 +79,15 @@ impl ComparisonShown {
                 reason: None,
             },
             Comparison::Differs(trace) => of(Verdict::Differs, trace.to_string()),
+            Comparison::Excuses {
+                trace,
+                words,
+                all_up_to,
+            } => Self {
+                words: *words,
+                all_up_to: *all_up_to,
+                ..of(Verdict::Excuses, trace.to_string())
+            },
             Comparison::NotCompared(reason) => of(Verdict::NotCompared, reason.clone()),
         }
     }
