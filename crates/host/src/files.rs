@@ -1,8 +1,8 @@
 //! Files as the engine reads and writes them: texts whole and in UTF-8, results whole or not at all.
 
 use diagnostic::{Problem, Source};
-use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// How many bytes a text may have that people write: models, properties and the files of a study.
@@ -188,9 +188,145 @@ fn new_file(path: &Path) -> std::io::Result<File> {
     OpenOptions::new().write(true).create_new(true).open(path)
 }
 
+/// What keeps other processes and threads from the same work, for as long as it lives. The system releases it when the
+/// process ends, however it ends.
+#[derive(Debug)]
+pub struct Lock {
+    /// What is locked; closed behind the removal of its name.
+    _file: File,
+    path: PathBuf,
+}
+
+/// How often a lock's file may be taken away by who held it, before it counts as held.
+const LOCK_TRIES: usize = 100;
+
+impl Lock {
+    /// Takes the lock of this file, which is made and, on Unix, removed again; `held` is the error while another one has it.
+    /// Where no file can be made, since the folder is not there or is read-only, there is no lock, and nothing to keep others from.
+    ///
+    /// # Errors
+    /// `held`; `cannot-write` if the file system has no locks.
+    pub fn take(path: &Path, held: impl FnOnce() -> Problem) -> Result<Option<Self>, Problem> {
+        for _ in 0..LOCK_TRIES {
+            let mut options = File::options();
+            let file = match options.create(true).truncate(false).write(true).open(path) {
+                Ok(file) => file,
+                Err(error)
+                    if [
+                        ErrorKind::NotFound,
+                        ErrorKind::NotADirectory,
+                        ErrorKind::PermissionDenied,
+                        ErrorKind::ReadOnlyFilesystem,
+                    ]
+                    .contains(&error.kind()) =>
+                {
+                    return Ok(None);
+                }
+                Err(error) => return Err(Problem::cannot_write(path, &error)),
+            };
+            match file.try_lock() {
+                // Who held it may have removed its name in between: then others lock another file.
+                Ok(()) if is_named(&file, path) => {
+                    return Ok(Some(Self {
+                        _file: file,
+                        path: path.to_owned(),
+                    }));
+                }
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => break,
+                Err(TryLockError::Error(error)) => {
+                    return Err(Problem::cannot_write(path, &error));
+                }
+            }
+        }
+        Err(held())
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // Still locked here. Elsewhere it cannot be known whether the name is still this file's, and the empty file stays.
+        if cfg!(unix) {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Whether the path still names this file.
+#[cfg(unix)]
+fn is_named(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (file.metadata(), std::fs::metadata(path)) {
+        (Ok(own), Ok(named)) => (own.dev(), own.ino()) == (named.dev(), named.ino()),
+        _ => false,
+    }
+}
+
+/// Nothing removes it here.
+#[cfg(not(unix))]
+fn is_named(_: &File, _: &Path) -> bool {
+    true
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn taken(path: &Path) -> Result<Option<Lock>, Problem> {
+        Lock::take(path, || Problem::new("held", "another one has it"))
+    }
+
+    #[test]
+    fn one_at_a_time_has_a_lock() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(".lock");
+        let first = taken(&path).expect("free").expect("a lock");
+        assert_eq!(taken(&path).expect_err("held").code, "held");
+        drop(first);
+        #[cfg(unix)]
+        assert!(!path.exists());
+        // What a process that was killed has left is not held.
+        std::fs::write(&path, "").expect("written");
+        assert!(taken(&path).expect("free").is_some());
+        assert!(
+            taken(&folder.path().join("no/.lock"))
+                .expect("no folder")
+                .is_none()
+        );
+    }
+
+    /// Each reads a number and writes one more: with a lock none is lost.
+    #[test]
+    fn threads_that_wait_for_a_lock_lose_nothing() {
+        const THREADS: usize = 4;
+        const EACH: usize = 50;
+        let folder = tempfile::tempdir().expect("a folder");
+        let (lock, number) = (folder.path().join(".lock"), folder.path().join("number"));
+        std::fs::write(&number, "0").expect("written");
+        let one_more = || {
+            let text = std::fs::read_to_string(&number).expect("there");
+            let known: usize = text.parse().expect("a number");
+            std::thread::yield_now();
+            std::fs::write(&number, (known + 1).to_string()).expect("written");
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..THREADS {
+                scope.spawn(|| {
+                    for _ in 0..EACH {
+                        let _lock = loop {
+                            match taken(&lock) {
+                                Ok(lock) => break lock.expect("a folder"),
+                                Err(_) => std::thread::yield_now(),
+                            }
+                        };
+                        one_more();
+                    }
+                });
+            }
+        });
+        let text = std::fs::read_to_string(&number).expect("there");
+        assert_eq!(text, (THREADS * EACH).to_string());
+    }
 
     #[test]
     fn latin_1_is_read_with_a_warning_at_the_first_byte_that_shows_it() {

@@ -54,6 +54,7 @@ mod refine_simulation;
 mod refine_together;
 mod replay;
 mod requirement_forms;
+mod requirements_in_use;
 mod scene_truth;
 mod shell;
 mod short_recordings;

@@ -7,7 +7,8 @@
 //! that one side never had is added; one that it had and has no longer was removed there, which is said and never repeated here.
 //!
 //! # Guarantee
-//! The same call twice changes nothing the second time. What is not carried over stays as it is, in the file byte for byte.
+//! From reading to writing one call alone works on a study: a second one, of this process or another, is refused and has changed
+//! nothing. The same call twice changes nothing the second time. What is not carried over stays as it is, in the file byte for byte.
 
 mod drift;
 mod files;
@@ -22,7 +23,7 @@ pub use requirement_files::{Columns, Field};
 
 use diagnostic::Problem;
 use host::Host;
-use host::files::write_whole;
+use host::files::{Lock, write_whole};
 use merge::{Direction, Merged};
 use requirement_files::{Change, Document, Format, Item};
 use schemars::JsonSchema;
@@ -48,6 +49,9 @@ pub struct ExchangeRequest {
     /// Whether nothing is written.
     pub dry_run: bool,
 }
+
+/// Holds the study while an import or export works on it.
+const LOCK: &str = ".requirements-sync.lock";
 
 impl ExchangeRequest {
     /// Between this study and this file.
@@ -109,7 +113,7 @@ pub struct ExchangeReport {
 ///
 /// # Errors
 /// What the study's files or the other tool's say wrong, each with its place (`bad-requirement-file`); `unknown-requirement` of
-/// `only`; `cannot-write`.
+/// `only`; `requirements-in-use` if another import or export of the study is at work; `cannot-write`.
 pub fn import_requirements(
     request: &ExchangeRequest,
     host: &Host,
@@ -173,6 +177,15 @@ pub fn export_requirements(
     Ok(report)
 }
 
+fn in_use(study: &std::path::Path) -> Problem {
+    let message = format!(
+        "another import or export of requirements is working on {}",
+        study.display()
+    );
+    Problem::new("requirements-in-use", message)
+        .remedy("wait until it is done, and run this one again: nothing was changed")
+}
+
 /// A study's requirements as a document in ReqIF.
 pub(crate) fn reqif(study: &Study) -> Result<Vec<u8>, Problem> {
     let name = "requirements.reqif";
@@ -196,10 +209,16 @@ struct Work<'r> {
     document: Document,
     place: files::Place,
     record: record::Record,
+    /// Keeps others out until all is written; none where nothing is.
+    _lock: Option<Lock>,
 }
 
 impl<'r> Work<'r> {
     fn new(request: &'r ExchangeRequest, direction: Direction) -> Result<Self, Problem> {
+        let lock = match request.dry_run {
+            true => None,
+            false => Lock::take(&request.study.join(LOCK), || in_use(&request.study))?,
+        };
         let study = Study::load(&request.study)?;
         let own: Vec<Item> = study
             .forms
@@ -224,6 +243,7 @@ impl<'r> Work<'r> {
             document,
             place,
             record,
+            _lock: lock,
         };
         work.check_only()?;
         Ok(work)

@@ -368,3 +368,52 @@ fn what_a_replaced_text_loses_in_the_file_is_said() {
     }
     assert!(!text(&study, "r.json").contains("LAST"));
 }
+
+/// Threads that import and export at the same time lose nothing: one works, the others are told to come again.
+#[test]
+fn a_study_is_worked_on_by_one_import_or_export_at_a_time() {
+    const FILES: usize = 6;
+    let study = Copy::of_template("Model");
+    let before = requirements(&study).len();
+    for number in 0..FILES {
+        let rows: String = (0..20)
+            .map(|row| format!("N{number}-{row},Text {row}.\n"))
+            .collect();
+        write(
+            &study,
+            &format!("r{number}.csv"),
+            &format!("id,text\n{rows}"),
+        );
+    }
+    let refused = std::sync::atomic::AtomicUsize::new(0);
+    let until_done = |carry: &dyn Fn() -> Result<ExchangeReport, Problem>| {
+        while let Err(problem) = carry() {
+            assert_eq!(problem.code, "requirements-in-use", "{problem}");
+            refused.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            std::thread::yield_now();
+        }
+    };
+    std::thread::scope(|scope| {
+        for number in 0..FILES {
+            let (study, until_done) = (&study, &until_done);
+            scope.spawn(move || {
+                let own = request(study, &format!("r{number}.csv"));
+                until_done(&|| import_requirements(&own, &host()));
+                let other = request(study, &format!("out{number}.sdoc"));
+                until_done(&|| export_requirements(&other, &host()));
+            });
+        }
+    });
+    assert_eq!(requirements(&study).len(), before + 20 * FILES);
+    // The record knows all files, and nothing is left of the lock.
+    let record = text(&study, "requirements-sync.toml");
+    for number in 0..FILES {
+        assert!(
+            record.contains(&format!("path = \"r{number}.csv\"")),
+            "{record}"
+        );
+        assert!(record.contains(&format!("path = \"out{number}.sdoc\"")));
+    }
+    #[cfg(unix)]
+    assert!(!study.path(".requirements-sync.lock").exists());
+}
