@@ -161,7 +161,11 @@ pub fn export_requirements(
     }
     let files = work.document.with(&changes)?;
     let sentences = drift::of_document(&work.study, &work.document);
+    let drifted = drift::of_texts(&work.study, &work.document, &sentences, |id| {
+        work.written_text(&merged, id)
+    });
     let mut report = work.report(&merged, sentences);
+    report.notes.extend(drifted);
     report.notes.extend(work.left_out(&merged));
     report
         .notes
@@ -313,6 +317,15 @@ impl<'r> Work<'r> {
         }
     }
 
+    /// The text of a requirement that is written: of one that is added, or whose text changes.
+    fn written_text(&self, merged: &Merged, id: &str) -> Option<String> {
+        let is_added = merged.added.iter().any(|it| it.id == id);
+        let mut changed = merged.changed.iter();
+        let is_written = is_added || changed.any(|it| it.id == id && it.field == "text");
+        let own = self.own.iter().find(|it| it.id == id)?;
+        is_written.then(|| own.text.clone())
+    }
+
     /// Fields of requirements that are added and have no place in the file.
     fn left_out(&self, merged: &Merged) -> Vec<String> {
         let absent = Field::ALL
@@ -357,11 +370,13 @@ fn item(study: &Study, form: &SubjectForm) -> Option<Item> {
         .requirements
         .iter()
         .find(|it| it.id == form.subject.id())?;
+    // A text of several lines has the line ends of its file; items have one kind.
+    let lines = |text: &str| text.replace("\r\n", "\n");
     matches!(form.subject, evidence::Subject::Requirement(_)).then(|| Item {
         id: requirement.id.clone(),
-        text: requirement.text.clone(),
-        rationale: form.background.rationale.clone(),
-        status: form.background.status.clone(),
+        text: lines(&requirement.text),
+        rationale: lines(&form.background.rationale),
+        status: lines(&form.background.status),
         parents: form.background.parents.clone(),
     })
 }

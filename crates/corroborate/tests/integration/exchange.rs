@@ -291,6 +291,58 @@ fn frets_sentences_are_proposed_and_held_against_its_formulas() {
     assert_eq!(report.outcome(), Outcome::Violated);
 }
 
+/// FRET reads the text: one that no longer says what the study's sentence does is told whenever it is exported.
+#[test]
+fn a_text_that_the_sentence_has_left_behind_is_said_on_export() {
+    let study = Copy::of_template("Model");
+    let loaded = Study::load(&study.path("")).expect("a study");
+    let names: Vec<String> = loaded.vocabulary.propositions.keys().cloned().collect();
+    let [first, second] = &names[..2] else {
+        panic!("{names:?}")
+    };
+    let before = text(&study, "requirements.toml");
+    let with = |sentence: &str| {
+        let added = format!(
+            "\n[[requirement]]\nid = \"F7\"\ntext = \"Whenever {first} the robot shall within 2 ticks satisfy {second}\"\n\
+             shall = \"{sentence}\"\n"
+        );
+        write(&study, "requirements.toml", &format!("{before}{added}"));
+    };
+    let about = |report: &ExchangeReport| -> Vec<String> {
+        let notes = report
+            .notes
+            .iter()
+            .filter(|it| it.contains("the study's sentence"));
+        notes.cloned().collect()
+    };
+    // The same in other words; the other requirements have texts for people.
+    with(&format!(
+        "Whenever {first}, the robot shall within 2 steps satisfy {second}"
+    ));
+    assert_eq!(about(&export(&study, "r.json")), Vec::<String>::new());
+    with(&format!(
+        "Whenever {first}, the robot shall within 3 steps satisfy {second}"
+    ));
+    for file in ["r.json", "new.json", "new.json"] {
+        let notes = about(&export(&study, file));
+        let [note] = &notes[..] else {
+            panic!("{file}: {notes:?}")
+        };
+        for said in [
+            "F7: ",
+            "within 3 steps",
+            "within 2 ticks",
+            "FRET's text does not hold",
+        ] {
+            assert!(note.contains(said), "{said}: {note}");
+        }
+    }
+    with(&format!("The robot shall always satisfy {first}"));
+    assert_eq!(about(&export(&study, "r.json")).len(), 1);
+    // Other formats have no sentences.
+    assert_eq!(about(&export(&study, "r.csv")), Vec::<String>::new());
+}
+
 #[test]
 fn a_proposal_that_the_study_cannot_have_stands_in_a_comment() {
     let study = Copy::of_template("Model");

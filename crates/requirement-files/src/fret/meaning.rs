@@ -164,10 +164,66 @@ pub(crate) fn compared(
     formulas: &[Formula<'_>],
     ends: bool,
 ) -> Comparison {
-    match Setup::new(sentence, definitions, step_secs, formulas, ends) {
+    let asked = Asked {
+        definitions,
+        formulas,
+        other: None,
+    };
+    match Setup::new(sentence, &asked, step_secs, ends) {
         Ok(mut setup) => setup.compare(),
         Err(reason) => Comparison::NotCompared(reason),
     }
+}
+
+/// Compares a sentence with another sentence, which stands in FRET's text, on words that do not end.
+pub(crate) fn compared_sentences(
+    sentence: &Sentence,
+    other: &Sentence,
+    step_secs: f64,
+) -> Comparison {
+    let asked = Asked {
+        definitions: &[],
+        formulas: &[],
+        other: Some(other),
+    };
+    match Setup::new(sentence, &asked, step_secs, false) {
+        Ok(mut setup) => setup.compare(),
+        Err(reason) => Comparison::NotCompared(reason),
+    }
+}
+
+/// With what a sentence is compared: formulas, or another sentence.
+struct Asked<'a, 's> {
+    definitions: &'a [(String, String)],
+    formulas: &'a [Formula<'a>],
+    other: Option<&'s Sentence>,
+}
+
+/// What each proposition of a sentence is, beside those that are known.
+fn propositions(
+    sentence: &Sentence,
+    definitions: &[(String, String)],
+    atoms: &mut Atoms,
+    own: &mut Vec<(String, Node)>,
+) -> Result<(), String> {
+    for text in sentence.propositions() {
+        if own.iter().any(|(known, _)| known == text) {
+            continue;
+        }
+        let defined = definitions.iter().find(|(name, _)| name == text);
+        let meaning = defined.map_or(text, |(_, meaning)| meaning);
+        let read = expression::expression(meaning)
+            .map_err(|reason| format!("`{text}` is not an expression of FRET's: {reason}"))?;
+        let node = match (&read, defined) {
+            // By itself `FTP` is a name like any other in a sentence of ours.
+            (expression::Expr::Point(name), None) => {
+                atoms.compile(&expression::Expr::Name((*name).to_owned()))?
+            }
+            _ => atoms.compile(&read)?,
+        };
+        own.push((text.to_owned(), node));
+    }
+    Ok(())
 }
 
 /// An expression of a sentence, with what its atoms are.
@@ -202,6 +258,7 @@ pub(super) struct Setup<'s> {
     /// Its expressions.
     expressions: Vec<Node>,
     formulas: Vec<(&'static str, Node, bool)>,
+    other: Option<&'s Sentence>,
     atoms: Atoms,
     ends: bool,
     wanted: Wanted,
@@ -230,30 +287,19 @@ enum Wanted {
 impl<'s> Setup<'s> {
     fn new(
         sentence: &'s Sentence,
-        definitions: &[(String, String)],
+        asked: &Asked<'_, 's>,
         step_secs: f64,
-        formulas: &[Formula<'_>],
         ends: bool,
     ) -> Result<Self, String> {
         let mut atoms = Atoms::default();
         let mut own = Vec::new();
-        for text in sentence.propositions() {
-            let defined = definitions.iter().find(|(name, _)| name == text);
-            let meaning = defined.map_or(text, |(_, meaning)| meaning);
-            let read = expression::expression(meaning)
-                .map_err(|reason| format!("`{text}` is not an expression of FRET's: {reason}"))?;
-            let node = match (&read, defined) {
-                // By itself `FTP` is a name like any other in a sentence of ours.
-                (expression::Expr::Point(name), None) => {
-                    atoms.compile(&expression::Expr::Name((*name).to_owned()))?
-                }
-                _ => atoms.compile(&read)?,
-            };
-            own.push((text.to_owned(), node));
-        }
+        propositions(sentence, asked.definitions, &mut atoms, &mut own)?;
         let of_sentence = atoms.texts.clone();
+        if let Some(other) = asked.other {
+            propositions(other, asked.definitions, &mut atoms, &mut own)?;
+        }
         let mut read = Vec::new();
-        for formula in formulas {
+        for formula in asked.formulas {
             let tree = expression::formula(formula.text)
                 .map_err(|reason| format!("{} cannot be read: {reason}", formula.name))?;
             let node = atoms
@@ -264,8 +310,9 @@ impl<'s> Setup<'s> {
         if let Some(other) = atoms.texts.get(of_sentence.len()..).and_then(<[_]>::first)
             && !of_sentence.is_empty()
         {
+            let who = asked.other.map_or("FRET's formula", |_| "FRET's text");
             return Err(format!(
-                "FRET's formula speaks of `{other}`, and the sentence does not"
+                "{who} speaks of `{other}`, and the sentence does not"
             ));
         }
         if atoms.texts.len() > MOST_ATOMS {
@@ -280,7 +327,8 @@ impl<'s> Setup<'s> {
         };
         let memory = nodes().map(Node::memory);
         let memory = memory.fold((0, 0), |all, it| (all.0 + it.0, all.1 + it.1));
-        let durations = sentence.stages.iter().filter_map(|stage| {
+        let sentences = || std::iter::once(sentence).chain(asked.other);
+        let durations = sentences().flat_map(|it| &it.stages).filter_map(|stage| {
             Some(match stage.timing.duration()?.amount {
                 Amount::Steps(steps) => steps as usize,
                 Amount::Secs(secs) => (secs / step_secs) as usize,
@@ -294,7 +342,7 @@ impl<'s> Setup<'s> {
         if longest > LONGEST {
             return Err(format!("a duration is longer than {LONGEST} time points"));
         }
-        let expressions = sentence.expressions().into_iter();
+        let expressions = sentences().flat_map(|it| it.expressions());
         let expressions = expressions.map(|it| node_of(it, &own)).collect();
         let mut setup = Self {
             sentence,
@@ -302,6 +350,7 @@ impl<'s> Setup<'s> {
             own,
             expressions,
             formulas: read,
+            other: asked.other,
             atoms,
             ends,
             wanted: Wanted::Any,
@@ -328,10 +377,10 @@ impl<'s> Setup<'s> {
 
     /// Whether the sentence holds of a word.
     pub(super) fn sentence_holds(&self, word: &Word) -> bool {
-        self.holds_on(&word.written_out(self.memory))
+        self.holds_on(self.sentence, &word.written_out(self.memory))
     }
 
-    fn holds_on(&self, word: &Word) -> bool {
+    fn holds_on(&self, sentence: &Sentence, word: &Word) -> bool {
         let own: Vec<(&str, Vec<bool>)> = self
             .own
             .iter()
@@ -346,13 +395,16 @@ impl<'s> Setup<'s> {
             length: word.letters.len(),
             repeats_from: word.repeats_from,
         };
-        holds(self.sentence, &sentence_word, self.step_secs)
+        holds(sentence, &sentence_word, self.step_secs)
     }
 
     /// The truth of the sentence and of the first formula that differs from it; of the last one, if none does.
     fn truths(&self, word: &Word) -> (bool, bool, &'static str) {
         let word = &word.written_out(self.memory);
-        let sentence = self.holds_on(word);
+        let sentence = self.holds_on(self.sentence, word);
+        if let Some(other) = self.other {
+            return (sentence, self.holds_on(other, word), "text");
+        }
         let mut last = (sentence, sentence, "formula");
         for (name, node, at_end) in &self.formulas {
             let values = node.truth(word);
