@@ -1,6 +1,7 @@
 //! Files as the engine reads and writes them: texts whole and in UTF-8, results whole or not at all.
 
 use diagnostic::{Problem, Source};
+use std::borrow::Cow;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -57,13 +58,38 @@ pub fn prism_of_bytes(path: &Path, bytes: Vec<u8>) -> Result<(Source, Option<Pro
     Ok((source, Some(warning)))
 }
 
-/// Writes a text in the PRISM language that was made of another's, whole or not at all, in the encoding of that one: bytes
-/// outside of what was changed are the same.
+/// A text with the line ends of the one that it was made of: where all of that one's are CR LF, what was put in gets CR LF, too.
+/// Where they are mixed, or LF alone, it stays as it is.
+pub fn with_line_ends_of<'t>(text: &'t str, made_of: &str) -> Cow<'t, str> {
+    let breaks = made_of.matches('\n').count();
+    if breaks == 0 || made_of.matches("\r\n").count() < breaks {
+        return Cow::Borrowed(text);
+    }
+    Cow::Owned(text.replace("\r\n", "\n").replace('\n', "\r\n"))
+}
+
+/// Writes a text that was made of another file's, whole or not at all, with the line ends of that one; as it is where that one
+/// is not there.
+///
+/// # Errors
+/// `cannot-write`, `cannot-read`, `not-text` of the other one.
+pub fn write_text(path: &Path, text: &str, made_of: &Path) -> Result<(), Problem> {
+    let old = match made_of.exists() {
+        true => read_source(made_of)?.text,
+        false => String::new(),
+    };
+    write_whole(path, with_line_ends_of(text, &old).as_bytes())
+}
+
+/// Writes a text in the PRISM language that was made of another's, whole or not at all, in the encoding and with the line ends of
+/// that one: bytes outside of what was changed are the same.
 ///
 /// # Errors
 /// `not-latin1` if the other was read as Latin-1 ([`read_prism`]) and the text has a character that Latin-1 has not.
 pub fn write_prism(path: &Path, text: &str, made_of: &Path) -> Result<(), Problem> {
-    if read_prism(made_of)?.1.is_none() {
+    let (old, is_latin_1) = read_prism(made_of)?;
+    let text = with_line_ends_of(text, &old.text);
+    if is_latin_1.is_none() {
         return write_whole(path, text.as_bytes());
     }
     let bytes: Result<Vec<u8>, char> = text
@@ -371,6 +397,27 @@ mod tests {
         assert_eq!(std::fs::read(&target).expect("there"), b"ours");
         assert!(!target.is_symlink());
         assert!(!folder.path().join("a.partial").exists());
+    }
+
+    #[test]
+    fn what_is_made_of_a_text_keeps_its_line_ends() {
+        for (made_of, text, expected) in [
+            ("a\r\nb\r\n", "a\r\nnew\nb\r\n", "a\r\nnew\r\nb\r\n"),
+            ("a\nb\n", "a\nnew\r\nb\n", "a\nnew\r\nb\n"),
+            ("a\r\nb\n", "a\r\nnew\nb\n", "a\r\nnew\nb\n"),
+            ("one line", "a\nb", "a\nb"),
+        ] {
+            assert_eq!(with_line_ends_of(text, made_of), expected, "{made_of:?}");
+            let folder = tempfile::tempdir().expect("a folder");
+            let path = folder.path().join("m.prism");
+            std::fs::write(&path, made_of).expect("written");
+            write_prism(&folder.path().join("n.prism"), text, &path).expect("written");
+            write_text(&path, text, &path).expect("written");
+            for name in ["m.prism", "n.prism"] {
+                let bytes = std::fs::read(folder.path().join(name)).expect("read");
+                assert_eq!(bytes, expected.as_bytes(), "{name}");
+            }
+        }
     }
 
     #[test]

@@ -37,6 +37,7 @@ mod language;
 mod language_server;
 mod licences;
 mod limits_of_time;
+mod line_ends;
 mod one_person;
 mod persistent_command;
 mod planted_clauses;
