@@ -17,7 +17,7 @@ mod inspect;
 mod language_server;
 mod man;
 mod monitor;
-mod pack;
+pub(crate) mod pack;
 mod plan;
 mod rare;
 mod refine;

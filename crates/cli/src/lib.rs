@@ -56,6 +56,17 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
+/// Makes the pack of a study that has been run, drawn as the command `pack` draws it: for faces that are no command line.
+///
+/// # Errors
+/// As of [`corroborate::pack()`].
+pub fn pack(
+    request: &corroborate::PackRequest,
+    host: &host::Host,
+) -> Result<corroborate::pack::PackReport, diagnostic::Problem> {
+    command::pack::packed(request, host)
+}
+
 /// Prints the result and turns the outcome into the exit code.
 fn finish(done: &command::Done) -> u8 {
     let mut out = std::io::stdout().lock();

@@ -10,8 +10,7 @@ mod work;
 
 pub use file::{CalibrationText, HeldOutRuns, Point};
 
-use crate::kept::CALIBRATION;
-use crate::results::json;
+use crate::kept::{CALIBRATION, sealed};
 use crate::rigs::Opening;
 use crate::technique::confidence;
 use crate::technique::simulation::{SearchPhysics, Seeds};
@@ -92,7 +91,7 @@ pub fn calibrate(request: &CalibrateRequest, host: &Host) -> Result<CalibrationR
         lineage: lineage(&study, &source, &text, (base.simulated, rigs.full.as_ref()))?,
     };
     let report = work.report(&base, level)?;
-    write_whole(&folder.join(CALIBRATION), json(&report)?.as_bytes())?;
+    write_whole(&folder.join(CALIBRATION), sealed(&report)?.as_bytes())?;
     Ok(report)
 }
 

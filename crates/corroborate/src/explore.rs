@@ -9,8 +9,7 @@ mod search;
 
 pub use disagreement::{DisagreementRequest, map_disagreement};
 
-use crate::kept::EXPLORATION;
-use crate::results::json;
+use crate::kept::{EXPLORATION, sealed};
 use crate::technique::exploration::{ExplorationReport, Explored, OpenBench, Plan, SourceKind};
 use crate::technique::rows;
 use causes::Causes;
@@ -117,7 +116,7 @@ pub fn explore(request: &ExploreRequest, host: &Host) -> Result<ExplorationRepor
         ("evidence", &bench.files.evidence),
     ];
     explored.rows.write(&folder.join(rows::FILE), &about)?;
-    write(&folder.join(EXPLORATION), &explored.report, host)?;
+    write(&folder.join(EXPLORATION), &sealed(&explored.report)?, host)?;
     Ok(explored.report)
 }
 
@@ -189,8 +188,8 @@ fn find_causes(
 }
 
 /// Writes a result, and says where.
-fn write(path: &Path, report: &impl serde::Serialize, host: &Host) -> Result<(), Problem> {
-    write_whole(path, json(report)?.as_bytes())?;
+fn write(path: &Path, text: &str, host: &Host) -> Result<(), Problem> {
+    write_whole(path, text.as_bytes())?;
     host.events.say(&format!("{} is written", path.display()));
     Ok(())
 }

@@ -1,8 +1,9 @@
 //! Files as the engine reads and writes them: texts whole and in UTF-8, results whole or not at all.
 
 use diagnostic::{Problem, Source};
-use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::borrow::Cow;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// How many bytes a text may have that people write: models, properties and the files of a study.
@@ -57,13 +58,38 @@ pub fn prism_of_bytes(path: &Path, bytes: Vec<u8>) -> Result<(Source, Option<Pro
     Ok((source, Some(warning)))
 }
 
-/// Writes a text in the PRISM language that was made of another's, whole or not at all, in the encoding of that one: bytes
-/// outside of what was changed are the same.
+/// A text with the line ends of the one that it was made of: where all of that one's are CR LF, what was put in gets CR LF, too.
+/// Where they are mixed, or LF alone, it stays as it is.
+pub fn with_line_ends_of<'t>(text: &'t str, made_of: &str) -> Cow<'t, str> {
+    let breaks = made_of.matches('\n').count();
+    if breaks == 0 || made_of.matches("\r\n").count() < breaks {
+        return Cow::Borrowed(text);
+    }
+    Cow::Owned(text.replace("\r\n", "\n").replace('\n', "\r\n"))
+}
+
+/// Writes a text that was made of another file's, whole or not at all, with the line ends of that one; as it is where that one
+/// is not there.
+///
+/// # Errors
+/// `cannot-write`, `cannot-read`, `not-text` of the other one.
+pub fn write_text(path: &Path, text: &str, made_of: &Path) -> Result<(), Problem> {
+    let old = match made_of.exists() {
+        true => read_source(made_of)?.text,
+        false => String::new(),
+    };
+    write_whole(path, with_line_ends_of(text, &old).as_bytes())
+}
+
+/// Writes a text in the PRISM language that was made of another's, whole or not at all, in the encoding and with the line ends of
+/// that one: bytes outside of what was changed are the same.
 ///
 /// # Errors
 /// `not-latin1` if the other was read as Latin-1 ([`read_prism`]) and the text has a character that Latin-1 has not.
 pub fn write_prism(path: &Path, text: &str, made_of: &Path) -> Result<(), Problem> {
-    if read_prism(made_of)?.1.is_none() {
+    let (old, is_latin_1) = read_prism(made_of)?;
+    let text = with_line_ends_of(text, &old.text);
+    if is_latin_1.is_none() {
         return write_whole(path, text.as_bytes());
     }
     let bytes: Result<Vec<u8>, char> = text
@@ -188,9 +214,145 @@ fn new_file(path: &Path) -> std::io::Result<File> {
     OpenOptions::new().write(true).create_new(true).open(path)
 }
 
+/// What keeps other processes and threads from the same work, for as long as it lives. The system releases it when the
+/// process ends, however it ends.
+#[derive(Debug)]
+pub struct Lock {
+    /// What is locked; closed behind the removal of its name.
+    _file: File,
+    path: PathBuf,
+}
+
+/// How often a lock's file may be taken away by who held it, before it counts as held.
+const LOCK_TRIES: usize = 100;
+
+impl Lock {
+    /// Takes the lock of this file, which is made and, on Unix, removed again; `held` is the error while another one has it.
+    /// Where no file can be made, since the folder is not there or is read-only, there is no lock, and nothing to keep others from.
+    ///
+    /// # Errors
+    /// `held`; `cannot-write` if the file system has no locks.
+    pub fn take(path: &Path, held: impl FnOnce() -> Problem) -> Result<Option<Self>, Problem> {
+        for _ in 0..LOCK_TRIES {
+            let mut options = File::options();
+            let file = match options.create(true).truncate(false).write(true).open(path) {
+                Ok(file) => file,
+                Err(error)
+                    if [
+                        ErrorKind::NotFound,
+                        ErrorKind::NotADirectory,
+                        ErrorKind::PermissionDenied,
+                        ErrorKind::ReadOnlyFilesystem,
+                    ]
+                    .contains(&error.kind()) =>
+                {
+                    return Ok(None);
+                }
+                Err(error) => return Err(Problem::cannot_write(path, &error)),
+            };
+            match file.try_lock() {
+                // Who held it may have removed its name in between: then others lock another file.
+                Ok(()) if is_named(&file, path) => {
+                    return Ok(Some(Self {
+                        _file: file,
+                        path: path.to_owned(),
+                    }));
+                }
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => break,
+                Err(TryLockError::Error(error)) => {
+                    return Err(Problem::cannot_write(path, &error));
+                }
+            }
+        }
+        Err(held())
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // Still locked here. Elsewhere it cannot be known whether the name is still this file's, and the empty file stays.
+        if cfg!(unix) {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Whether the path still names this file.
+#[cfg(unix)]
+fn is_named(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (file.metadata(), std::fs::metadata(path)) {
+        (Ok(own), Ok(named)) => (own.dev(), own.ino()) == (named.dev(), named.ino()),
+        _ => false,
+    }
+}
+
+/// Nothing removes it here.
+#[cfg(not(unix))]
+fn is_named(_: &File, _: &Path) -> bool {
+    true
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn taken(path: &Path) -> Result<Option<Lock>, Problem> {
+        Lock::take(path, || Problem::new("held", "another one has it"))
+    }
+
+    #[test]
+    fn one_at_a_time_has_a_lock() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(".lock");
+        let first = taken(&path).expect("free").expect("a lock");
+        assert_eq!(taken(&path).expect_err("held").code, "held");
+        drop(first);
+        #[cfg(unix)]
+        assert!(!path.exists());
+        // What a process that was killed has left is not held.
+        std::fs::write(&path, "").expect("written");
+        assert!(taken(&path).expect("free").is_some());
+        assert!(
+            taken(&folder.path().join("no/.lock"))
+                .expect("no folder")
+                .is_none()
+        );
+    }
+
+    /// Each reads a number and writes one more: with a lock none is lost.
+    #[test]
+    fn threads_that_wait_for_a_lock_lose_nothing() {
+        const THREADS: usize = 4;
+        const EACH: usize = 50;
+        let folder = tempfile::tempdir().expect("a folder");
+        let (lock, number) = (folder.path().join(".lock"), folder.path().join("number"));
+        std::fs::write(&number, "0").expect("written");
+        let one_more = || {
+            let text = std::fs::read_to_string(&number).expect("there");
+            let known: usize = text.parse().expect("a number");
+            std::thread::yield_now();
+            std::fs::write(&number, (known + 1).to_string()).expect("written");
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..THREADS {
+                scope.spawn(|| {
+                    for _ in 0..EACH {
+                        let _lock = loop {
+                            match taken(&lock) {
+                                Ok(lock) => break lock.expect("a folder"),
+                                Err(_) => std::thread::yield_now(),
+                            }
+                        };
+                        one_more();
+                    }
+                });
+            }
+        });
+        let text = std::fs::read_to_string(&number).expect("there");
+        assert_eq!(text, (THREADS * EACH).to_string());
+    }
 
     #[test]
     fn latin_1_is_read_with_a_warning_at_the_first_byte_that_shows_it() {
@@ -235,6 +397,27 @@ mod tests {
         assert_eq!(std::fs::read(&target).expect("there"), b"ours");
         assert!(!target.is_symlink());
         assert!(!folder.path().join("a.partial").exists());
+    }
+
+    #[test]
+    fn what_is_made_of_a_text_keeps_its_line_ends() {
+        for (made_of, text, expected) in [
+            ("a\r\nb\r\n", "a\r\nnew\nb\r\n", "a\r\nnew\r\nb\r\n"),
+            ("a\nb\n", "a\nnew\r\nb\n", "a\nnew\r\nb\n"),
+            ("a\r\nb\n", "a\r\nnew\nb\n", "a\r\nnew\nb\n"),
+            ("one line", "a\nb", "a\nb"),
+        ] {
+            assert_eq!(with_line_ends_of(text, made_of), expected, "{made_of:?}");
+            let folder = tempfile::tempdir().expect("a folder");
+            let path = folder.path().join("m.prism");
+            std::fs::write(&path, made_of).expect("written");
+            write_prism(&folder.path().join("n.prism"), text, &path).expect("written");
+            write_text(&path, text, &path).expect("written");
+            for name in ["m.prism", "n.prism"] {
+                let bytes = std::fs::read(folder.path().join(name)).expect("read");
+                assert_eq!(bytes, expected.as_bytes(), "{name}");
+            }
+        }
     }
 
     #[test]

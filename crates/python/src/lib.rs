@@ -10,7 +10,7 @@
 //! | `numbers.rs` | statistics |
 //! | `formulas.rs`, `signals.rs` | formulas over arrays, read in place, and over streams |
 //! | `recordings.rs` | recordings judged |
-//! | `studies.rs` | studies run, compared, replayed |
+//! | `studies.rs` | studies run, compared, packed, replayed |
 //! | `table.rs`, `table/arrow.rs` | tables whose memory others take over, by Arrow's interface |
 //! | `models.rs`, `space.rs` | models checked; their states as arrays |
 
@@ -46,7 +46,8 @@ mod _engine {
 
     #[pymodule_export]
     use super::studies::{
-        StudyOutcome, study_compare, study_open, study_plan, study_replay, study_result, study_run,
+        StudyOutcome, study_compare, study_open, study_pack, study_plan, study_replay,
+        study_result, study_run,
     };
     #[pymodule_export]
     use super::table::Table;

@@ -1,10 +1,11 @@
-//! Studies: opened, planned, run, compared, replayed; their evidence and comparisons as tables.
+//! Studies: opened, planned, run, compared, packed, replayed; their evidence and comparisons as tables.
 
 use crate::problem::{guarded, raised};
 use crate::table::{Column, Table};
 use crate::work::carried_out;
 use corroborate::{
-    CompareRequest, Ended, ReplayRequest, RunReport, RunRequest, Study, results::results_folder,
+    CompareRequest, Ended, PackRequest, ReplayRequest, RunReport, RunRequest, Study,
+    results::results_folder,
 };
 use evidence::{Evidence, Finding, Guarantee, Measure, StudyResult, Subject};
 use host::Host;
@@ -151,6 +152,41 @@ pub(crate) fn study_replay(
     };
     let report = carried_out(py, surroundings.host(), None, |host| {
         corroborate::replay::replay_with_page(&request, host, &report::replay::html)
+    })?;
+    Ok(pythonize(py, &report)?.unbind())
+}
+
+/// What is asked of a pack.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct AskedOfPack {
+    to: Option<PathBuf>,
+    key: Option<PathBuf>,
+    sboms: Vec<PathBuf>,
+    pdf: Option<PathBuf>,
+    with_recordings: bool,
+}
+
+/// Packs a study that has been run, as the command does; the report, as a dictionary.
+#[pyfunction]
+pub(crate) fn study_pack(
+    py: Python<'_>,
+    asked: Asked,
+    pack: AskedOfPack,
+    surroundings: Surroundings,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Py<PyAny>> {
+    let request = PackRequest {
+        out: asked.out,
+        to: pack.to,
+        key: pack.key,
+        sboms: pack.sboms,
+        pdf: pack.pdf,
+        with_recordings: pack.with_recordings,
+        ..PackRequest::new(asked.folder)
+    };
+    let report = carried_out(py, surroundings.host(), progress, |host| {
+        cli::pack(&request, host)
     })?;
     Ok(pythonize(py, &report)?.unbind())
 }

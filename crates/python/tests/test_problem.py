@@ -110,7 +110,81 @@ def test_importing_the_package_imports_nothing_large():
 def test_arguments_of_the_wrong_type_say_what_is_taken(call, said):
     with pytest.raises(TypeError) as caught:
         call()
-    assert said in str(caught.value)
+    assert isinstance(caught.value, corroborate.Problem) and caught.value.code == "wrong-argument"
+    assert said in f"{caught.value.message}: {caught.value.remedy}"
+
+
+MODEL = "dtmc const double p; module m x:[0..1]; [] x=0 -> p:(x'=1) + 1-p:(x'=0); endmodule"
+
+
+def model():
+    return corroborate.Model.parse(MODEL)
+
+
+def formula():
+    return corroborate.Formula("always (speed < 1)")
+
+
+@pytest.mark.parametrize(
+    "call, said",
+    [
+        (lambda: corroborate.Model.parse(3), "text is a str with a model in the PRISM language, not int"),
+        (lambda: model().check(3), "property is a list of texts, one text or the path of a file, not int"),
+        (lambda: model().check([3]), "property[0] is a str with a property, not int"),
+        (lambda: model().check("P=? [ F x=1 ]", constants=0.5), "constants is a mapping from names to values, not float"),
+        (lambda: model().check("P=? [ F x=1 ]", constants={"p": None}), "the value of `p` is a number, not NoneType"),
+        (lambda: model().check("P=? [ F x=1 ]", constants={"p": [0.1]}), "the value of `p` is a number, not list"),
+        (lambda: model().check("P=? [ F x=1 ]", open={"p": 0.5}), "the range of `p` is a list of two numbers, not float"),
+        (lambda: model().check("P=? [ F x=1 ]", open={"p": (0.1, 0.2, 0.3)}), "has 3 numbers"),
+        (lambda: model().check("P=? [ F x=1 ]", constants={"p": 0.5}, precision="small"), "precision is a number, not str"),
+        (lambda: model().check("P=? [ F x=1 ]", constants={"p": 0.5}, method=1), "method is a str with a name, not int"),
+        (lambda: model().build(constants={"p": 0.5}, max_states=-1), "max_states must be a whole number from 0"),
+        (lambda: model().build(constants={"p": 0.5}).label(1), "name is a str with a label, not int"),
+        (lambda: model().build(constants={"p": 0.5}).path(seed=0.5), "seed is a whole number, not float"),
+        (lambda: corroborate.Formula("always a", parameters={"late": "2 s"}), "the parameter `late` is a number, not str"),
+        (lambda: formula().judge([0.0, 1.0], speed=[[1.0, 2.0]]), "`speed` has the shape (1, 2)"),
+        (lambda: formula().judge([0.0, 1.0], speed=3), "`speed` is a single int"),
+        (lambda: formula().judge([[0.0, 1.0]], speed=[1.0, 2.0]), "`times` has the shape (1, 2)"),
+        (lambda: formula().judge(["now"], speed=[1.0]), "are not seconds"),
+        (lambda: formula().judge([0.0], speed=[[1.0], [2.0, 3.0]]), "`speed` is not an array"),
+        (lambda: formula().start("speed"), "signals is a list of names, not str"),
+        (lambda: formula().start(["speed"]).step(0.0, speed="fast"), "speed is a number, not str"),
+        (lambda: corroborate.monitor(3), "a recording is a str or a path of a recording, not int"),
+        (lambda: corroborate.monitor("a.mcap", formulas="always a"), "formulas is a list of formulas, not str"),
+        (lambda: corroborate.stats.rate("88", 100), "successes is a whole number, not str"),
+        (lambda: corroborate.stats.rate(88.0, 100), "int(...)"),
+        (lambda: corroborate.stats.rate(-1, 100), "successes must be a whole number from 0"),
+        (lambda: corroborate.stats.rate(88, 100, confidence="high"), "confidence is a number, not str"),
+        (lambda: corroborate.stats.difference(88, (80, 100)), "first is a pair (successes, trials), not int"),
+        (lambda: corroborate.stats.difference((88, 100, 3), (80, 100)), "first is a pair (successes, trials) and has 3 entries"),
+        (lambda: corroborate.stats.clustered_rate([9, 10]), "clusters[0] is a pair"),
+        (lambda: corroborate.stats.power(0.9, (10, 10)), "rates is a list of rates, not float"),
+        (lambda: corroborate.stats.holm(["a"]), "p_values[0] is a number, not str"),
+        (lambda: corroborate.stats.paired(1, 0), "first is a list of outcomes, not int"),
+        (lambda: corroborate.Study("none", out=3), "out is a str or a path of a folder, not int"),
+    ],
+)
+def test_an_argument_of_the_wrong_kind_or_shape_is_a_problem_with_a_remedy(call, said):
+    with pytest.raises(corroborate.Problem) as caught:
+        call()
+    assert said in str(caught.value) and caught.value.remedy
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert type(again) is type(caught.value) and str(again) == str(caught.value)
+
+
+def test_a_wrong_signature_is_an_ordinary_type_error():
+    for call in (lambda: corroborate.stats.rate(88), lambda: corroborate.Model.parse(), lambda: corroborate.Study("a", "b")):
+        with pytest.raises(TypeError) as caught:
+            call()
+        assert not isinstance(caught.value, corroborate.Problem)
+
+
+def test_numbers_of_numpy_are_numbers():
+    numpy = pytest.importorskip("numpy")
+    same = corroborate.stats.rate(numpy.int64(88), numpy.uint8(100), confidence=numpy.float32(0.5))
+    assert (same.low, same.trials) == (corroborate.stats.rate(88, 100, confidence=0.5).low, 100)
+    counts = numpy.array([[9, 10], [10, 10], [2, 10]])
+    assert corroborate.stats.clustered_rate(counts) == corroborate.stats.clustered_rate([(9, 10), (10, 10), (2, 10)])
 
 
 def test_the_version_is_that_of_the_command():

@@ -134,5 +134,5 @@ def test_what_makes_no_sense_is_a_problem(wrong):
 
 
 def test_negative_counts_are_refused():
-    with pytest.raises(OverflowError):
+    with pytest.raises(corroborate.Problem):
         stats.rate(-1, 10)

@@ -1,5 +1,6 @@
 """Studies: opened, planned, run with a callback, shown as data frames."""
 
+import hashlib
 import json
 import pathlib
 import shutil
@@ -113,6 +114,31 @@ def test_comparisons(folder, result):
     with pytest.raises(corroborate.Problem) as caught:
         Study(folder).compare("E9")
     assert caught.value.code == "unknown-evidence"
+
+
+def test_a_study_is_packed_as_by_the_command(folder, result, tmp_path):
+    (tmp_path / "sbom.json").write_text('{"bomFormat": "CycloneDX", "specVersion": "1.5", "components": []}')
+    key, events = tmp_path / "key.pem", []
+    subprocess.run([sys.executable, "-m", "corroborate", "pack", "--new-key", str(key)], check=True, capture_output=True)
+    packed = Study(folder).pack(tmp_path / "a.zip", key=key, sboms=[tmp_path / "sbom.json"], progress=events.append)
+    assert packed.file == tmp_path / "a.zip" and packed.bytes == packed.file.stat().st_size
+    assert hashlib.sha256(packed.file.read_bytes()).hexdigest() == packed.sha256
+    assert packed.parts > 10 and packed.signed_by and packed.not_shown and all(words for _, words in packed.not_shown)
+    by_command = [str(folder), "--to", str(tmp_path / "b.zip"), "--key", str(key), "--sbom", str(tmp_path / "sbom.json")]
+    subprocess.run([sys.executable, "-m", "corroborate", "pack", *by_command], check=True, capture_output=True)
+    assert (tmp_path / "b.zip").read_bytes() == packed.file.read_bytes()
+    verify = [sys.executable, "-m", "corroborate", "verify", str(packed.file), "--key", str(tmp_path / "key.pub.pem")]
+    assert subprocess.run(verify, capture_output=True).returncode == 0
+    # By default beside the results, and unsigned.
+    unsigned = Study(folder).pack()
+    assert unsigned.file == folder / "results/evidence-pack.zip" and unsigned.signed_by is None
+    for wrong, code in [({"to": tmp_path / "sbom.json"}, "pack-over-file"), ({"key": 3}, "wrong-argument"), ({"sboms": "a"}, "wrong-argument")]:
+        with pytest.raises(corroborate.Problem) as caught:
+            Study(folder).pack(**wrong)
+        assert caught.value.code == code and caught.value.remedy
+    with pytest.raises(corroborate.Problem) as caught:
+        Study(folder, out=tmp_path / "none").pack()
+    assert caught.value.code == "not-run"
 
 
 def test_a_forest_plot_is_one_call(result):

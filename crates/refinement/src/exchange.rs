@@ -99,7 +99,8 @@ impl Exchange {
             }
             Self::Headers { headers } => {
                 let places = [place_of(text, &headers[0])?, place_of(text, &headers[1])?];
-                let (first, rest) = text.split_at(text.find('\n').unwrap_or(text.len()));
+                // Without its end, which may be CR LF.
+                let (first, rest) = text.split_at(text.lines().next().map_or(0, str::len));
                 let mut all: Vec<&str> = first.split(',').collect();
                 all.swap(places[0], places[1]);
                 Ok(all.join(",") + rest)
@@ -338,8 +339,10 @@ mod tests {
         let text = "person,ok,attempts,n_slip,n_gaze\n1,6,10,3,1\n";
         let headers = pair("n_slip", "n_gaze");
         let swapped = "person,ok,attempts,n_gaze,n_slip\n1,6,10,3,1\n";
+        let cr_lf = |text: &str| text.replace('\n', "\r\n");
         let exchange = Exchange::Headers { headers };
         gives(&exchange, text, swapped);
+        gives(&exchange, &cr_lf(text), &cr_lf(swapped));
         // Comments and empty lines may stand before the header.
         let commented = |text: &str| format!("# by day, \"as it was\"\n\n{text}");
         gives(&exchange, &commented(text), &commented(swapped));

@@ -88,7 +88,7 @@ fn changed(document: &Document) -> String {
 }
 
 fn sentences(document: &Document) {
-    let mut counts = [0; 6];
+    let mut counts = [0; 7];
     for placed in &document.items {
         let item = &placed.item;
         let translation = match translated(&item.text) {
@@ -115,6 +115,10 @@ fn sentences(document: &Document) {
                     counts[at + 1] += 1;
                     println!("  {}: {what}: {}\n    {trace}", item.id, translation.text);
                 }
+                Comparison::Excuses { trace, .. } => {
+                    counts[6] += 1;
+                    println!("  {}: {what}: excuses: {trace}", item.id);
+                }
                 Comparison::NotCompared(reason) => {
                     println!("  {}: {what}: not compared: {reason}", item.id)
                 }
@@ -125,7 +129,7 @@ fn sentences(document: &Document) {
         }
     }
     println!(
-        "  {} sentences ({} with names for expressions); on runs that go on {} same, {} differ; on runs that end {} same, {} differ",
-        counts[0], counts[5], counts[1], counts[2], counts[3], counts[4]
+        "  {} sentences ({} with names for expressions); on runs that go on {} same, {} differ; on runs that end {} same, {} differ, {} excuse what could still come",
+        counts[0], counts[5], counts[1], counts[2], counts[3], counts[4], counts[6]
     );
 }

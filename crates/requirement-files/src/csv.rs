@@ -2,7 +2,7 @@
 //!
 //! # What is read
 //! RFC 4180: fields in quotes may hold commas, line breaks and doubled quotes. Commas, semicolons or tabs separate; the first
-//! line says which. The columns of the fields are those that [`Columns`] name, else those of the usual names ([`USUAL`], in any
+//! line says which; of a file whose name ends with `.tsv`, tabs do if it has one. The columns of the fields are those that [`Columns`] name, else those of the usual names ([`USUAL`], in any
 //! case). Other columns stay as they are.
 
 use crate::edit::{Edit, applied, line_end};
@@ -11,8 +11,18 @@ use crate::{Change, Columns, Document, Field, File, Format, Item, Placed};
 use diagnostic::{Problem, Source, counted};
 use std::ops::Range;
 
-/// A table without requirements.
-pub(crate) const EMPTY: &str = "id,text,rationale,status,parents\n";
+/// A table without requirements, for a file of this name.
+pub(crate) fn empty(name: &str) -> String {
+    let columns = ["id", "text", "rationale", "status", "parents"];
+    let separator = if has_tabs(name) { "\t" } else { "," };
+    columns.join(separator) + "\n"
+}
+
+/// Whether a file of this name is a table with tabs.
+fn has_tabs(name: &str) -> bool {
+    let ending = name.rsplit_once('.').map(|(_, ending)| ending);
+    ending.is_some_and(|ending| ending.eq_ignore_ascii_case("tsv"))
+}
 
 /// How columns are usually called; the first of each list goes before the others.
 const USUAL: [(Option<Field>, &[&str]); 5] = [
@@ -70,10 +80,16 @@ fn table(source: &Source, mistakes: &mut Mistakes<'_>) -> Table {
     let start = if text.starts_with('\u{feff}') { 3 } else { 0 };
     let first = text[start..].lines().next().unwrap_or_default();
     let count = |sign: char| first.matches(sign).count();
-    let separator = [',', ';', '\t']
+    let most = [',', ';', '\t']
         .into_iter()
-        .max_by_key(|sign| (count(*sign), *sign == ','));
-    let separator = separator.unwrap_or(',');
+        .max_by_key(|sign| (count(*sign), *sign == ','))
+        .filter(|sign| count(*sign) > 0);
+    let separator = match (has_tabs(&source.name), most) {
+        // A name of a column may have commas.
+        (true, _) if count('\t') > 0 => '\t',
+        (true, None) => '\t',
+        (_, most) => most.unwrap_or(','),
+    };
     let mut rows = Vec::new();
     let mut at = start;
     while at < text.len() {

@@ -10,6 +10,7 @@
 //! and J. Schumann, "Automated formalization of structured natural language requirements", Information and Software Technology
 //! 137, 2021.
 
+mod continuation;
 mod expression;
 mod meaning;
 mod sentence;
@@ -23,7 +24,7 @@ use crate::json::{self, Kind, Value, quoted};
 use crate::mistakes::{Mistakes, cannot_write};
 use crate::{Change, Columns, Document, Field, File, Format, Item, Placed};
 use diagnostic::{Problem, Source};
-use meaning::{Formula, compared};
+use meaning::{Formula, compared, compared_sentences};
 use requirement_lang::sentence::Sentence;
 
 /// A file without requirements.
@@ -104,6 +105,18 @@ pub fn compare(
         ends: ask(finite.collect(), true),
         probability: probability(formulas, sentence),
     }
+}
+
+/// Compares a sentence with the one that a text of FRET's says, on runs that go on for ever. A probability that one has and the
+/// other has not, or that differs, is a difference of its own, which is not looked at here.
+#[must_use]
+pub fn compare_with_text(
+    sentence: &Sentence,
+    text: &Translation,
+    step_secs: Option<f64>,
+) -> Comparison {
+    let step_secs = text.step_secs.or(step_secs).unwrap_or(1.0);
+    compared_sentences(sentence, &text.sentence, step_secs)
 }
 
 /// The formula of paths of a probabilistic formula in which all probabilities are one, or the outermost is the sentence's.

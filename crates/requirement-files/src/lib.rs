@@ -53,7 +53,7 @@ pub enum Format {
     StrictDoc,
     /// A folder of Doorstop.
     Doorstop,
-    /// A table in CSV.
+    /// A table in CSV, or with tabs.
     Csv,
 }
 
@@ -296,7 +296,7 @@ impl Document {
             }],
             Format::StrictDoc => vec![file(name, strictdoc::empty(title))],
             Format::Doorstop => vec![file(".doorstop.yml", doorstop::empty(first_id)?)],
-            Format::Csv => vec![file(name, csv::EMPTY.to_owned())],
+            Format::Csv => vec![file(name, csv::empty(name))],
         };
         Self::read(format, &files, &Columns::default())
     }

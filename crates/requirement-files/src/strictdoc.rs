@@ -152,6 +152,30 @@ impl Names {
         }
     }
 
+    /// Fails if the document's own grammar lets the field have some values only, and this is none of them.
+    fn check(&self, nodes: &[Node], kind: &str, item: &Item, field: Field) -> Result<(), Problem> {
+        let (name, value) = (self.of(field), item.value(field));
+        let Some((is_single, choices)) = choices(nodes, kind, name) else {
+            return Ok(());
+        };
+        let given = match is_single {
+            true => vec![value.clone()],
+            false => crate::listed(&value),
+        };
+        let other = given.iter().find(|it| !choices.contains(it));
+        match other.filter(|_| !value.is_empty()) {
+            None => Ok(()),
+            Some(other) => {
+                let reason = format!(
+                    "its {field} is `{other}`, and the document's grammar lets {name} be one of {} only",
+                    choices.join(", ")
+                );
+                Err(cannot_write(&item.id, &reason)
+                    .remedy("give it one of these, or add a choice to the grammar"))
+            }
+        }
+    }
+
     /// A grammar of the document's own says which fields there are.
     fn fields(&self, nodes: &[Node]) -> Vec<Field> {
         let grammar = nodes.iter().find(|node| node.kind == "GRAMMAR");
@@ -184,6 +208,29 @@ impl Names {
             Field::Parents => "RELATIONS",
         }
     }
+}
+
+/// What the grammar lets a field of nodes of this kind have: whether one choice alone, and the choices.
+fn choices(nodes: &[Node], kind: &str, field: &str) -> Option<(bool, Vec<String>)> {
+    let grammar = nodes.iter().find(|node| node.kind == "GRAMMAR")?;
+    let (mut tag, mut title) = ("", "");
+    for part in &grammar.parts {
+        match part.name.as_str() {
+            "- TAG" => (tag, title) = (part.value.trim(), ""),
+            "- TITLE" => title = part.value.trim(),
+            "TYPE" if (tag, title) == (kind, field) => {
+                let (form, inner) = part.value.trim().strip_suffix(')')?.split_once('(')?;
+                let is_single = match form {
+                    "SingleChoice" => true,
+                    "MultipleChoice" => false,
+                    _ => return None,
+                };
+                return Some((is_single, crate::listed(inner)));
+            }
+            _ => {}
+        }
+    }
+    None
 }
 
 /// A line with its place, without its end.
@@ -371,6 +418,7 @@ pub(crate) fn with(document: &Document, changes: &[Change]) -> Result<Vec<File>,
                 let mut fields = fields.clone();
                 fields.sort();
                 for field in fields {
+                    names.check(&nodes, &node.kind, item, field)?;
                     edits.extend(set(node, item, field, &names, end)?);
                 }
             }
@@ -501,6 +549,7 @@ fn node_of(
     let mut field = |field: Field| -> Result<(), Problem> {
         let value = item.value(field);
         if !value.is_empty() && document.fields.contains(&field) {
+            names.check(nodes, kind, item, field)?;
             node.push_str(&format!(
                 "{}: {}{end}",
                 names.of(field),

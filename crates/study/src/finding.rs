@@ -314,7 +314,7 @@ impl Finding {
                 expected.name()
             )));
         }
-        write_whole(path, written.text.as_bytes())
+        host::files::write_text(path, &written.text, path)
     }
 
     /// Writes the finding's file.

@@ -17,7 +17,7 @@ use super::{About, SampleSizes, Texts};
 use crate::placed::toml_place;
 use diagnostic::Problem;
 use evidence::{Look, LookedAt, Looks, adds_up};
-use host::files::write_whole;
+use host::files::{with_line_ends_of, write_whole};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -83,10 +83,12 @@ fn mistake(one: &LookedAt) -> Option<String> {
 pub fn keep(folder: &Path, looks: &Looks) -> Result<(), Problem> {
     let path = folder.join(LOOKS);
     let text = text(looks);
-    if std::fs::read(&path).is_ok_and(|old| old == text.as_bytes()) {
-        return Ok(());
+    let old = std::fs::read_to_string(&path).unwrap_or_default();
+    let text = with_line_ends_of(&text, &old);
+    match *text == old {
+        true => Ok(()),
+        false => write_whole(&path, text.as_bytes()),
     }
-    write_whole(&path, text.as_bytes())
 }
 
 /// The file's text.

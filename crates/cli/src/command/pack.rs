@@ -28,6 +28,18 @@ pub fn pack(arguments: &Pack, setting: &Host) -> Result<Done, Problem> {
         with_recordings: arguments.with_recordings,
         techniques: corroborate::Techniques::default(),
     };
+    let report = packed(&request, setting)?;
+    Ok(Done {
+        output: match arguments.format {
+            Format::Json => json(&report)?,
+            Format::Text => text(&report),
+        },
+        outcome: Outcome::Holds,
+    })
+}
+
+/// Makes a pack with all that is drawn for it.
+pub fn packed(request: &PackRequest, setting: &Host) -> Result<PackReport, Problem> {
     let drawn = PackDrawing {
         result: &drawing(),
         junit: &|result| report::junit::xml(&report::junit::of_study(result)),
@@ -36,14 +48,7 @@ pub fn pack(arguments: &Pack, setting: &Host) -> Result<Done, Problem> {
         traceability: &report::traceability,
         pdf: &|page| pdf::printed(page, setting),
     };
-    let report = corroborate::pack(&request, setting, &drawn)?;
-    Ok(Done {
-        output: match arguments.format {
-            Format::Json => json(&report)?,
-            Format::Text => text(&report),
-        },
-        outcome: Outcome::Holds,
-    })
+    corroborate::pack(request, setting, &drawn)
 }
 
 /// Findings with their places in the study's files as the pack has them.

@@ -172,6 +172,12 @@ fn what_is_unpacked_is_the_study_with_its_results_and_follows_again() {
         "{table}"
     );
     assert!(!table.contains(",bounded,the verdict"), "{table}");
+    // What the page marks as missing is in the table, too.
+    let rows: Vec<&str> = table.lines().skip(1).collect();
+    let lacks = |row: &&&str| row.trim_end_matches('"').ends_with("no test names it");
+    assert_eq!(rows.iter().filter(lacks).count(), rows.len(), "{table}");
+    let gap = |row: &&&str| row.contains("not expressible: ") && row.contains("; no test names it");
+    assert!(rows.iter().any(|row| gap(&row)), "{table}");
     let page = read(&folder.join("traceability/traceability.html"));
     assert!(
         page.contains("no test names it")

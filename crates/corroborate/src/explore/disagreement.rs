@@ -2,6 +2,7 @@
 
 use super::{bench_of, folder_of, plan_of, study_of, write};
 use crate::kept::DISAGREEMENT;
+use crate::results::json;
 use crate::technique::exploration::MapSearch;
 use diagnostic::Problem;
 use evidence::DisagreementMap;
@@ -57,6 +58,6 @@ pub fn map_disagreement(
         folder: &folder,
     };
     let report = search.go_on(host)?;
-    write(&folder.join(DISAGREEMENT), &report, host)?;
+    write(&folder.join(DISAGREEMENT), &json(&report)?, host)?;
     Ok(report)
 }

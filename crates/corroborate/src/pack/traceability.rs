@@ -134,8 +134,16 @@ fn cells(row: &TraceRow<'_>) -> [String; 22] {
         row.part.clone(),
         assets.join("; "),
         row.tests.join("; "),
-        row.gap.clone(),
+        missing(row),
     ]
+}
+
+/// What the page marks as missing in a row: evidence, a verdict of it, a test.
+fn missing(row: &TraceRow<'_>) -> String {
+    let no_test = row.tests.is_empty().then_some("no test names it");
+    let gap = Some(row.gap.as_str()).filter(|gap| !gap.is_empty());
+    let all: Vec<&str> = gap.into_iter().chain(no_test).collect();
+    all.join("; ")
 }
 
 fn asks(requirement: &Requirement) -> String {

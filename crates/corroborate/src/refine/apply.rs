@@ -6,7 +6,7 @@ use super::solver::Solver;
 use super::texts;
 use diagnostic::Problem;
 use evidence::StudyResult;
-use host::files::{write_prism, write_whole};
+use host::files::{write_prism, write_text};
 use refinement::{Changed, Exchange, ModelChange, SetConstant};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -148,7 +148,7 @@ impl Applier<'_> {
         if from > own {
             text = moved_to_the_end(&text, own.unwrap_or_default());
         }
-        write_whole(&path, text.as_bytes())
+        write_text(&path, &text, &path)
     }
 
     /// Changes several files in their places: all are made before the first is written.
@@ -165,7 +165,7 @@ impl Applier<'_> {
             made.push((file, path, text));
         }
         let write = |(file, path, text): (&String, PathBuf, String)| {
-            write_whole(&path, text.as_bytes())?;
+            write_text(&path, &text, &path)?;
             Ok(Applied {
                 entry: None,
                 file: file.clone(),
@@ -313,7 +313,7 @@ pub fn append_to_ledger(study: &Study, entries: &str) -> Result<(), Problem> {
         text.push('\n');
     }
     text.push_str(entries);
-    write_whole(&path, text.as_bytes())
+    write_text(&path, &text, &path)
 }
 
 fn refused(what: &str, reason: &str) -> Problem {

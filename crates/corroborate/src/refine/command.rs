@@ -28,7 +28,7 @@ use crate::technique::simulation::{Seeds, findings};
 use diagnostic::Problem;
 use evidence::{Evidence, Finding, Measure, Rate, STRONG, StudyResult, Subject, Suspect, strength};
 use host::Host;
-use host::files::write_whole;
+use host::files::{write_text, write_whole};
 use judging::Judges;
 use rayon::prelude::*;
 use refinement::{
@@ -354,7 +354,11 @@ pub fn fit(
     let text = host::files::read_source(&study.folder.join(&found.file))?.text;
     let target = Names::free_model(&study.folder, Path::new(&found.file), &[]);
     let changed = found.number.set(&text, found.tried.value);
-    write_whole(&study.folder.join(&target), changed.as_bytes())?;
+    write_text(
+        &study.folder.join(&target),
+        &changed,
+        &study.folder.join(&found.file),
+    )?;
     fitting.keep(entry, &target, &found)
 }
 

@@ -1,7 +1,7 @@
-//! The texts of assets as they are read to be changed, and written back in the encoding that they had.
+//! The texts of assets as they are read to be changed, and written back in the encoding and with the line ends that they had.
 
 use diagnostic::{Problem, Source};
-use host::files::{read_prism, read_source, write_prism, write_whole};
+use host::files::{read_prism, read_source, write_prism, write_text};
 use std::path::Path;
 use study::Study;
 
@@ -19,7 +19,7 @@ pub(super) fn write(study: &Study, file: &Path, text: &str) -> Result<(), Proble
     let path = study.folder.join(file);
     match is_model(study, file) {
         true => write_prism(&path, text, &path),
-        false => write_whole(&path, text.as_bytes()),
+        false => write_text(&path, text, &path),
     }
 }
 

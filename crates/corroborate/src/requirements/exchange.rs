@@ -7,7 +7,8 @@
 //! that one side never had is added; one that it had and has no longer was removed there, which is said and never repeated here.
 //!
 //! # Guarantee
-//! The same call twice changes nothing the second time. What is not carried over stays as it is, in the file byte for byte.
+//! From reading to writing one call alone works on a study: a second one, of this process or another, is refused and has changed
+//! nothing. The same call twice changes nothing the second time. What is not carried over stays as it is, in the file byte for byte.
 
 mod drift;
 mod files;
@@ -22,7 +23,7 @@ pub use requirement_files::{Columns, Field};
 
 use diagnostic::Problem;
 use host::Host;
-use host::files::write_whole;
+use host::files::{Lock, write_whole};
 use merge::{Direction, Merged};
 use requirement_files::{Change, Document, Format, Item};
 use schemars::JsonSchema;
@@ -48,6 +49,9 @@ pub struct ExchangeRequest {
     /// Whether nothing is written.
     pub dry_run: bool,
 }
+
+/// Holds the study while an import or export works on it.
+const LOCK: &str = ".requirements-sync.lock";
 
 impl ExchangeRequest {
     /// Between this study and this file.
@@ -109,7 +113,7 @@ pub struct ExchangeReport {
 ///
 /// # Errors
 /// What the study's files or the other tool's say wrong, each with its place (`bad-requirement-file`); `unknown-requirement` of
-/// `only`; `cannot-write`.
+/// `only`; `requirements-in-use` if another import or export of the study is at work; `cannot-write`.
 pub fn import_requirements(
     request: &ExchangeRequest,
     host: &Host,
@@ -157,7 +161,11 @@ pub fn export_requirements(
     }
     let files = work.document.with(&changes)?;
     let sentences = drift::of_document(&work.study, &work.document);
+    let drifted = drift::of_texts(&work.study, &work.document, &sentences, |id| {
+        work.written_text(&merged, id)
+    });
     let mut report = work.report(&merged, sentences);
+    report.notes.extend(drifted);
     report.notes.extend(work.left_out(&merged));
     report
         .notes
@@ -171,6 +179,15 @@ pub fn export_requirements(
     }
     work.keep(&merged, &mut report)?;
     Ok(report)
+}
+
+fn in_use(study: &std::path::Path) -> Problem {
+    let message = format!(
+        "another import or export of requirements is working on {}",
+        study.display()
+    );
+    Problem::new("requirements-in-use", message)
+        .remedy("wait until it is done, and run this one again: nothing was changed")
 }
 
 /// A study's requirements as a document in ReqIF.
@@ -196,10 +213,16 @@ struct Work<'r> {
     document: Document,
     place: files::Place,
     record: record::Record,
+    /// Keeps others out until all is written; none where nothing is.
+    _lock: Option<Lock>,
 }
 
 impl<'r> Work<'r> {
     fn new(request: &'r ExchangeRequest, direction: Direction) -> Result<Self, Problem> {
+        let lock = match request.dry_run {
+            true => None,
+            false => Lock::take(&request.study.join(LOCK), || in_use(&request.study))?,
+        };
         let study = Study::load(&request.study)?;
         let own: Vec<Item> = study
             .forms
@@ -224,6 +247,7 @@ impl<'r> Work<'r> {
             document,
             place,
             record,
+            _lock: lock,
         };
         work.check_only()?;
         Ok(work)
@@ -293,6 +317,15 @@ impl<'r> Work<'r> {
         }
     }
 
+    /// The text of a requirement that is written: of one that is added, or whose text changes.
+    fn written_text(&self, merged: &Merged, id: &str) -> Option<String> {
+        let is_added = merged.added.iter().any(|it| it.id == id);
+        let mut changed = merged.changed.iter();
+        let is_written = is_added || changed.any(|it| it.id == id && it.field == "text");
+        let own = self.own.iter().find(|it| it.id == id)?;
+        is_written.then(|| own.text.clone())
+    }
+
     /// Fields of requirements that are added and have no place in the file.
     fn left_out(&self, merged: &Merged) -> Vec<String> {
         let absent = Field::ALL
@@ -337,11 +370,13 @@ fn item(study: &Study, form: &SubjectForm) -> Option<Item> {
         .requirements
         .iter()
         .find(|it| it.id == form.subject.id())?;
+    // A text of several lines has the line ends of its file; items have one kind.
+    let lines = |text: &str| text.replace("\r\n", "\n");
     matches!(form.subject, evidence::Subject::Requirement(_)).then(|| Item {
         id: requirement.id.clone(),
-        text: requirement.text.clone(),
-        rationale: form.background.rationale.clone(),
-        status: form.background.status.clone(),
+        text: lines(&requirement.text),
+        rationale: lines(&form.background.rationale),
+        status: lines(&form.background.status),
         parents: form.background.parents.clone(),
     })
 }

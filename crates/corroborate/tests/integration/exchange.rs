@@ -291,6 +291,58 @@ fn frets_sentences_are_proposed_and_held_against_its_formulas() {
     assert_eq!(report.outcome(), Outcome::Violated);
 }
 
+/// FRET reads the text: one that no longer says what the study's sentence does is told whenever it is exported.
+#[test]
+fn a_text_that_the_sentence_has_left_behind_is_said_on_export() {
+    let study = Copy::of_template("Model");
+    let loaded = Study::load(&study.path("")).expect("a study");
+    let names: Vec<String> = loaded.vocabulary.propositions.keys().cloned().collect();
+    let [first, second] = &names[..2] else {
+        panic!("{names:?}")
+    };
+    let before = text(&study, "requirements.toml");
+    let with = |sentence: &str| {
+        let added = format!(
+            "\n[[requirement]]\nid = \"F7\"\ntext = \"Whenever {first} the robot shall within 2 ticks satisfy {second}\"\n\
+             shall = \"{sentence}\"\n"
+        );
+        write(&study, "requirements.toml", &format!("{before}{added}"));
+    };
+    let about = |report: &ExchangeReport| -> Vec<String> {
+        let notes = report
+            .notes
+            .iter()
+            .filter(|it| it.contains("the study's sentence"));
+        notes.cloned().collect()
+    };
+    // The same in other words; the other requirements have texts for people.
+    with(&format!(
+        "Whenever {first}, the robot shall within 2 steps satisfy {second}"
+    ));
+    assert_eq!(about(&export(&study, "r.json")), Vec::<String>::new());
+    with(&format!(
+        "Whenever {first}, the robot shall within 3 steps satisfy {second}"
+    ));
+    for file in ["r.json", "new.json", "new.json"] {
+        let notes = about(&export(&study, file));
+        let [note] = &notes[..] else {
+            panic!("{file}: {notes:?}")
+        };
+        for said in [
+            "F7: ",
+            "within 3 steps",
+            "within 2 ticks",
+            "FRET's text does not hold",
+        ] {
+            assert!(note.contains(said), "{said}: {note}");
+        }
+    }
+    with(&format!("The robot shall always satisfy {first}"));
+    assert_eq!(about(&export(&study, "r.json")).len(), 1);
+    // Other formats have no sentences.
+    assert_eq!(about(&export(&study, "r.csv")), Vec::<String>::new());
+}
+
 #[test]
 fn a_proposal_that_the_study_cannot_have_stands_in_a_comment() {
     let study = Copy::of_template("Model");
@@ -367,4 +419,53 @@ fn what_a_replaced_text_loses_in_the_file_is_said() {
         assert_eq!(notes.count(), 1, "{file}: {:?}", report.notes);
     }
     assert!(!text(&study, "r.json").contains("LAST"));
+}
+
+/// Threads that import and export at the same time lose nothing: one works, the others are told to come again.
+#[test]
+fn a_study_is_worked_on_by_one_import_or_export_at_a_time() {
+    const FILES: usize = 6;
+    let study = Copy::of_template("Model");
+    let before = requirements(&study).len();
+    for number in 0..FILES {
+        let rows: String = (0..20)
+            .map(|row| format!("N{number}-{row},Text {row}.\n"))
+            .collect();
+        write(
+            &study,
+            &format!("r{number}.csv"),
+            &format!("id,text\n{rows}"),
+        );
+    }
+    let refused = std::sync::atomic::AtomicUsize::new(0);
+    let until_done = |carry: &dyn Fn() -> Result<ExchangeReport, Problem>| {
+        while let Err(problem) = carry() {
+            assert_eq!(problem.code, "requirements-in-use", "{problem}");
+            refused.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            std::thread::yield_now();
+        }
+    };
+    std::thread::scope(|scope| {
+        for number in 0..FILES {
+            let (study, until_done) = (&study, &until_done);
+            scope.spawn(move || {
+                let own = request(study, &format!("r{number}.csv"));
+                until_done(&|| import_requirements(&own, &host()));
+                let other = request(study, &format!("out{number}.sdoc"));
+                until_done(&|| export_requirements(&other, &host()));
+            });
+        }
+    });
+    assert_eq!(requirements(&study).len(), before + 20 * FILES);
+    // The record knows all files, and nothing is left of the lock.
+    let record = text(&study, "requirements-sync.toml");
+    for number in 0..FILES {
+        assert!(
+            record.contains(&format!("path = \"r{number}.csv\"")),
+            "{record}"
+        );
+        assert!(record.contains(&format!("path = \"out{number}.sdoc\"")));
+    }
+    #[cfg(unix)]
+    assert!(!study.path(".requirements-sync.lock").exists());
 }

@@ -16,7 +16,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from ._problem import InternalError, Problem
+from ._problem import InternalError, Problem, WrongArgument
 
 if TYPE_CHECKING:
     from . import rig, stats
@@ -46,7 +46,7 @@ _HOMES = {
     "stats": "stats",
 }
 
-__all__ = ["InternalError", "Problem", *_HOMES]
+__all__ = ["InternalError", "Problem", "WrongArgument", *_HOMES]
 
 
 def __getattr__(name: str) -> Any:

@@ -145,7 +145,11 @@ class Formula:
         ending: Ending = "long_enough",
     ) -> None:
         text = _checked.text(text, "text", "a formula", "for example Formula(\"always speed < 2\")")
-        self._formula = _engine.Formula(text, dict(parameters), time, interpolation, ending)
+        given = _checked.mapping(parameters, "parameters", "seconds", "write parameters={\"late\": 2.0}")
+        seconds = {str(name): _checked.number(value, f"the parameter `{name}`") for name, value in given.items()}
+        for word, name in ((time, "time"), (interpolation, "interpolation"), (ending, "ending")):
+            _checked.text(word, name, "a word", "see help(corroborate.Formula)")
+        self._formula = _engine.Formula(text, seconds, time, interpolation, ending)
         self.text, self.time, self.ending = text, time, ending
 
     @property
@@ -189,8 +193,10 @@ class Formula:
             columns = {**self._used(table), **columns}
         if times is None:
             raise Problem("bad-signals", "the times of the samples are missing", remedy="give them in seconds, first")
-        columns = {**(signals or {}), **columns}
-        arrays = [_array(column) for column in columns.values()]
+        if signals is not None:
+            columns = {**_checked.mapping(signals, "signals", "columns", "write {\"speed\": [0.1, 0.2]}"), **columns}
+        units = _checked.mapping(units, "units", "units", "write units={\"speed\": \"mm/s\"}")
+        arrays = [_array(name, column) for name, column in columns.items()]
         declared = [(name, units.get(name, ""), array.dtype.char == "?") for name, array in zip(columns, arrays)]
         _known_units(units, columns)
         return _judgement(self._formula.judge(_times(times), declared, arrays, complete))
@@ -235,7 +241,9 @@ class Monitor:
     __slots__ = ("_monitor", "_places", "_values", "formula")
 
     def __init__(self, formula: Formula, signals: Union[Mapping[str, Any], Iterable[str]]) -> None:
-        given = signals if isinstance(signals, Mapping) else dict.fromkeys(signals, "")
+        remedy = "write [\"speed\"], or {\"speed\": \"m/s\"} with units"
+        names = signals if isinstance(signals, Mapping) else dict.fromkeys(_checked.several(signals, "signals", "names", remedy), "")
+        given = {_checked.text(name, "the name of a signal", "a name", remedy): unit for name, unit in names.items()}
         declared = [(name, "" if unit is bool else str(unit or ""), unit is bool) for name, unit in given.items()]
         self.formula = formula
         self._monitor = formula._formula.start(declared)
@@ -252,7 +260,13 @@ class Monitor:
             except KeyError:
                 message = f"the monitor has no signal `{name}` (it has {', '.join(self._places)})"
                 raise Problem("bad-signals", message, remedy="declare it when the monitor is started") from None
-        verdict = self._monitor.step(time_secs, self._values)
+        try:
+            verdict = self._monitor.step(time_secs, self._values)
+        except TypeError:
+            # Only now, since a stream is long: which of them is not a number.
+            for name, value in [("time_secs", time_secs), *zip(self._places, self._values)]:
+                _checked.number(value, name)
+            raise
         return None if verdict is None else Verdict(verdict)
 
     @property
@@ -271,11 +285,25 @@ class Monitor:
         return _judgement(self._monitor.finish(complete))
 
 
-def _array(column: Any) -> NDArray[Any]:
+def _row(values: Any, name: str) -> NDArray[Any]:
+    """An array of one dimension: a view where there is one, as pandas and polars give the memory of columns without gaps."""
     import numpy as np
 
-    # A view where there is one: pandas and polars give the memory of columns without gaps.
-    array = np.asarray(column)
+    remedy = "give one value for each sample, shape (samples,)"
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError) as error:
+        raise Problem("bad-signals", f"`{name}` is not an array: {error}", remedy=remedy) from None
+    if array.ndim == 1:
+        return array
+    what = f"has the shape {array.shape}" if array.ndim else f"is a single {type(values).__name__}"
+    raise Problem("bad-signals", f"`{name}` {what}, and one value is wanted for each sample", remedy=remedy)
+
+
+def _array(name: str, column: Any) -> NDArray[Any]:
+    import numpy as np
+
+    array = _row(column, name)
     if array.dtype.kind == "b" or array.dtype == np.float64:
         return array
     if array.dtype.kind in "iuf":
@@ -283,19 +311,23 @@ def _array(column: Any) -> NDArray[Any]:
     try:
         return array.astype(np.float64)
     except (TypeError, ValueError):
-        message = f"a column of the type {array.dtype} is neither numbers nor truth values"
+        message = f"`{name}`, a column of the type {array.dtype}, is neither numbers nor truth values"
         raise Problem("bad-signals", message, remedy="leave it out, or give numbers for its values") from None
 
 
 def _times(times: Any) -> NDArray[np.float64]:
     import numpy as np
 
-    array = np.asarray(times)
+    array = _row(times, "times")
     if array.dtype.kind in "mM":
         # From the first sample on, in seconds.
         seconds: NDArray[np.float64] = (array - array[:1]) / np.timedelta64(1, "s")
         return seconds
-    return np.asarray(array, dtype=np.float64)
+    try:
+        return np.asarray(array, dtype=np.float64)
+    except (TypeError, ValueError):
+        message = f"times of the type {array.dtype} are not seconds"
+        raise Problem("bad-signals", message, remedy="give them as numbers, or as dates of NumPy (datetime64)") from None
 
 
 def _known_units(units: Mapping[str, str], columns: Mapping[str, Any]) -> None:
@@ -378,19 +410,21 @@ def monitor(
         partial: judges recordings that are not complete as far as they go.
         progress: called with each event, a dictionary.
     """
-    read = [it if isinstance(it, Formula) else Formula(it) for it in formulas]
+    given = _checked.several(formulas, "formulas", "formulas", "write formulas=[\"always /robot.speed < 1\"]")
+    read = [it if isinstance(it, Formula) else Formula(it) for it in given]
     kinds = {(it.time, it.ending) for it in read} or {("discrete", "long_enough")}
     if len(kinds) > 1:
         raise Problem("bad-setting", "the formulas differ in `time` or `ending`", remedy="judge them one after another")
     ((time, ending),) = kinds
+    remedy = "write only=[\"1\"]"
     asked = {
-        "recordings": [os.fspath(path) for path in recordings],
-        "study": None if study is None else os.fspath(study),
-        "only": list(only),
+        "recordings": [_checked.path(path, "a recording", "a recording", "name its file") for path in recordings],
+        "study": None if study is None else _checked.path(study, "study", "a study's folder", "name the folder that holds study.toml"),
+        "only": [_checked.text(it, "an entry of only", "an identifier", remedy) for it in _checked.several(only, "only", "identifiers", remedy)],
         "formulas": [it._formula.written_out for it in read],
         "ending": ending,
         "time": time,
-        "map": None if map is None else os.fspath(map),
+        "map": None if map is None else _checked.path(map, "map", "a topic map", "name its file"),
         "partial": partial,
     }
     report = _engine.monitor_recordings(asked, progress)

@@ -10,6 +10,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, Union
 
+from . import _checked
 from ._problem import Problem
 
 __all__ = ["Parametric", "Part", "RationalFunction", "parametric"]
@@ -57,7 +58,7 @@ class RationalFunction:
 
 
 def _fraction(value: Any) -> Fraction:
-    return Fraction(value) if isinstance(value, (int, Fraction)) else Fraction(repr(float(value)))
+    return Fraction(value) if isinstance(value, (int, Fraction)) else Fraction(repr(_checked.number(value, "a parameter's value")))
 
 
 def _evaluated(node: ast.expr, values: Mapping[str, Fraction]) -> Any:

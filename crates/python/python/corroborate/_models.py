@@ -219,14 +219,14 @@ class Model:
         """
         is_one = isinstance(property, str)
         asked = {
-            "properties": [property] if is_one else [] if isinstance(property, os.PathLike) else list(property),
+            "properties": [] if isinstance(property, os.PathLike) else _properties(property),
             "files": [os.fspath(property)] if isinstance(property, os.PathLike) else [],
             "constants": _constants(constants),
-            "open": ",".join(f"{name}={_number(name, low)}:{_number(name, high)}" for name, (low, high) in open.items()) or None,
-            "method": method,
-            "precision": float(precision),
-            "max_states": max_states,
-            "timeout_secs": None if timeout is None else float(timeout),
+            "open": _open(open),
+            "method": _method(method),
+            "precision": _checked.number(precision, "precision"),
+            "max_states": None if max_states is None else _checked.whole(max_states, "max_states"),
+            "timeout_secs": None if timeout is None else _checked.number(timeout, "timeout"),
             "witness": witness,
             "certify": certify,
             "fair": fair,
@@ -239,11 +239,11 @@ class Model:
     def scheduler(self, property: str, /, *, constants: Constants = {}, method: str = "sound", fair: bool = False) -> Scheduler:
         """The scheduler that attains the answer to a property such as ``Pmax=? [ F "done" ]``, with the memory it needs."""
         asked = {
-            "properties": [property],
+            "properties": [_checked.text(property, "property", "a property", "for example Pmax=? [ F \"done\" ]")],
             "files": [],
             "constants": _constants(constants),
             "open": None,
-            "method": method,
+            "method": _method(method),
             "precision": 1e-6,
             "max_states": None,
             "timeout_secs": None,
@@ -271,15 +271,40 @@ class Model:
 
     def build(self, *, constants: Constants = {}, max_states: int = 100_000_000) -> StateSpace:
         """The reachable states, with transitions, labels, rewards and valuations as arrays."""
-        return StateSpace(self._model.build(_constants(constants), max_states))
+        return StateSpace(self._model.build(_constants(constants), _checked.whole(max_states, "max_states")))
 
     def __repr__(self) -> str:
         return f"<Model {self.name}: {self.kind or 'no type'}, modules {', '.join(self.modules) or 'none'}>"
 
 
+def _properties(property: Any) -> list[str]:
+    """One text, or several."""
+    remedy = "for example P=? [ F \"done\" ], or a pathlib.Path of a file of properties"
+    if isinstance(property, str):
+        return [property]
+    found = _checked.several(property, "property", "texts, one text or the path of a file", remedy)
+    return [_checked.text(it, f"property[{place}]", "a property", remedy) for place, it in enumerate(found)]
+
+
+def _method(method: Any) -> str:
+    return _checked.text(method, "method", "a name", "for example \"sound\" or \"exact\"")
+
+
+def _open(ranges: Any) -> Union[str, None]:
+    """Open constants with their ranges, as the engine reads them."""
+    parts = []
+    for name, ends in _checked.mapping(ranges, "open", "ranges", "write open={\"p\": (0.5, 0.9)}").items():
+        remedy = f"write open={{\"{name}\": (0.5, 0.9)}}"
+        found = _checked.several(ends, f"the range of `{name}`", "two numbers", remedy)
+        if len(found) != 2:
+            raise Problem("wrong-argument", f"the range of `{name}` has {len(found)} numbers, not a lower and an upper one", remedy=remedy)
+        parts.append(f"{name}={_number(name, found[0])}:{_number(name, found[1])}")
+    return ",".join(parts) or None
+
+
 def _constants(constants: Constants) -> str:
     parts = []
-    for name, value in constants.items():
+    for name, value in _checked.mapping(constants, "constants", "values", "write constants={\"p\": 0.9}").items():
         if isinstance(value, range):
             value = (value.start, value.step, value[-1] if len(value) else value.start)
         numbers = value if isinstance(value, tuple) else (value,)
@@ -292,7 +317,7 @@ def _number(name: str, value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, (int, Fraction, str)):
         return str(value)
-    number = value if isinstance(value, float) else float(value)
+    number = value if isinstance(value, float) else _checked.number(value, f"the value of `{name}`")
     if isinstance(value, float) or not number.is_integer() or "int" not in type(value).__name__:
         if number != number or number in (float("inf"), float("-inf")):
             raise Problem("bad-constants", f"`{name}` must be a finite number (got {value})", remedy="give it a number")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["InternalError", "Problem"]
+__all__ = ["InternalError", "Problem", "WrongArgument"]
 
 
 class Problem(ValueError):
@@ -64,6 +64,21 @@ class Problem(ValueError):
     def __reduce__(self) -> tuple[type[Problem], tuple[object, ...]]:
         place = (self.path, self.line, self.column)
         return type(self), (self.code, self.message, *place, self.remedy, self.related, self.kind, self._rendered)
+
+
+class WrongArgument(Problem, TypeError):
+    """A :class:`Problem` whose cause is an argument of the wrong kind: a number where a path is taken, a pair that is none. It is
+    a ``TypeError``, too.
+
+    >>> import corroborate
+    >>> try:
+    ...     corroborate.stats.rate("88", 100)
+    ... except corroborate.Problem as problem:
+    ...     print(problem.message)
+    successes is a whole number, not str
+    """
+
+    __module__ = "corroborate"
 
 
 class InternalError(RuntimeError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
-from . import _engine
+from . import _checked, _engine
 from ._problem import Problem
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ class StateSpace:
 
     def label(self, name: str) -> NDArray[np.bool_]:
         """Whether a label holds, shape ``(states,)``."""
-        return self._space.label(name)
+        return self._space.label(_checked.text(name, "name", "a label", "`labels` has them all"))
 
     @property
     def rewards(self) -> dict[str, Rewards]:
@@ -138,12 +138,12 @@ class StateSpace:
 
     def describe(self, state: int) -> str:
         """A state as ``(name=value,...)``."""
-        return self._space.describe(state)
+        return self._space.describe(_checked.whole(state, "state"))
 
     def path(self, *, seed: int, max_steps: int = 1_000) -> Path:
         """A random path of a chain from its first initial state, the same for the same seed; it ends in a state that cannot be
         left, or after ``max_steps`` transitions."""
-        found = self._space.path(seed, max_steps)
+        found = self._space.path(_checked.whole(seed, "seed"), _checked.whole(max_steps, "max_steps"))
         if found is None:
             message = f"a {self.kind} leaves choices open, so that its paths have no distribution"
             raise Problem("open-choices", message, remedy="sample a dtmc or ctmc, for example the chain of a scheduler")

@@ -17,7 +17,7 @@ from ._table import Table
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Conclusion", "Planned", "Produced", "Replay", "Requirement", "Study", "StudyResult"]
+__all__ = ["Conclusion", "Pack", "Planned", "Produced", "Replay", "Requirement", "Study", "StudyResult"]
 
 PathLike = Union[str, os.PathLike[str]]
 Progress = Union[Callable[[dict[str, Any]], object], None]
@@ -94,6 +94,24 @@ class Replay:
     """What was written: the recording, verdicts over time, the scene, a page."""
 
 
+@dataclass(frozen=True)
+class Pack:
+    """An evidence pack that was written."""
+
+    file: pathlib.Path
+    """The archive."""
+    bytes: int
+    """Its size."""
+    sha256: str
+    """Its SHA-256 in hexadecimal."""
+    parts: int
+    """How many parts its manifest names."""
+    signed_by: Union[str, None]
+    """The SHA-256 of the public key that verifies its signature; ``None`` if it is not signed."""
+    not_shown: tuple[tuple[str, str], ...]
+    """What the pack does not show, as it stands in it: of what, and in words."""
+
+
 class Study:
     """A study: a folder of requirements and of what is known about them.
 
@@ -108,7 +126,7 @@ class Study:
     def __init__(self, folder: PathLike, *, out: Union[PathLike, None] = None) -> None:
         named = _checked.path(folder, "folder", "a study's folder", "name the folder that holds study.toml")
         self.folder = pathlib.Path(named)
-        self.out = self.folder / "results" if out is None else pathlib.Path(out)
+        self.out = self.folder / "results" if out is None else pathlib.Path(_checked.path(out, "out", "a folder", "name the folder of results"))
         self._about = _engine.study_open(named)
 
     @property
@@ -160,15 +178,61 @@ class Study:
         """The comparisons of the last run: all; of one piece of evidence; or, of several, the pairs among them."""
         return list(_engine.study_compare(self._asked(evidence))["comparisons"])
 
-    def replay(self, episode: str, *, out: Union[PathLike, None] = None) -> Replay:
+    def replay(self, episode: PathLike, *, out: Union[PathLike, None] = None) -> Replay:
         """Runs an episode again, bit for bit: the file of a finding, or an episode of an evidence by its number (``E4:17``)."""
-        asked: dict[str, Any] = {"folder": os.fspath(self.folder), "out": None if out is None else os.fspath(out), "only": []}
-        found = _engine.study_replay(asked, episode, surroundings())
+        to = None if out is None else _checked.path(out, "out", "a folder", "name the folder for what is written")
+        asked: dict[str, Any] = {"folder": os.fspath(self.folder), "out": to, "only": []}
+        wanted = _checked.path(episode, "episode", "a finding, or an episode", "for example \"E4:17\"")
+        found = _engine.study_replay(asked, wanted, surroundings())
         verdicts = {it["subject"]: it["verdict"] for it in found["verdicts"]}
         return Replay(found["episode"], int(found["seed"]), found["shown"], found["same_bytes"], verdicts, tuple(found["files"]))
 
     def _asked(self, only: Sequence[str]) -> dict[str, Any]:
-        return {"folder": os.fspath(self.folder), "out": os.fspath(self.out), "only": list(only)}
+        remedy = f"the ledger has {', '.join(self.evidence)}"
+        named = [_checked.text(it, "an evidence", "its identifier", remedy) for it in _checked.several(only, "only", "identifiers", remedy)]
+        return {"folder": os.fspath(self.folder), "out": os.fspath(self.out), "only": named}
+
+    def pack(
+        self,
+        to: Union[PathLike, None] = None,
+        *,
+        key: Union[PathLike, None] = None,
+        sboms: Sequence[PathLike] = (),
+        pdf: Union[PathLike, None] = None,
+        with_recordings: bool = False,
+        progress: Progress = None,
+    ) -> Pack:
+        """Packs what assessors ask for into one archive: the study, its results, the argument, traceability, and what all of it
+        does not show. The study has to have been run; ``corroborate verify PACK --key PUBLIC`` checks every byte.
+
+        Args:
+            to: the archive; by default ``evidence-pack.zip`` in the folder of results. No file but an earlier pack is replaced.
+            key: the Ed25519 key that signs, in PEM (``corroborate pack --new-key FILE`` makes one); without one nothing shows who
+                made the pack.
+            sboms: bills of materials of the system under test (CycloneDX or SPDX, in JSON).
+            pdf: the report as PDF, if it was made elsewhere; otherwise a browser prints it, where there is one.
+            with_recordings: puts recordings into the pack; otherwise they are named by their hashes.
+            progress: as of :meth:`run`.
+
+        Raises:
+            Problem: ``not-run`` without a run, ``stale-result`` if something has changed since, ``result-does-not-follow`` if a figure
+                does not follow from its evidence, ``pack-over-file``, ``bad-key``, ``bad-sbom``, ``bad-pdf``.
+        """
+
+        def named(file: Union[PathLike, None], name: str, what: str) -> Union[str, None]:
+            return None if file is None else _checked.path(file, name, what, "name its file")
+
+        listed = _checked.several(sboms, "sboms", "paths", "write sboms=[\"robot.cdx.json\"]")
+        asked = {
+            "to": named(to, "to", "the archive"),
+            "key": named(key, "key", "a key"),
+            "sboms": [_checked.path(it, f"sboms[{place}]", "a bill of materials", "name its file") for place, it in enumerate(listed)],
+            "pdf": named(pdf, "pdf", "a PDF"),
+            "with_recordings": bool(with_recordings),
+        }
+        found = _engine.study_pack(self._asked(()), asked, surroundings(), progress)
+        not_shown = tuple((it["of"], it["words"]) for it in found["not_shown"])
+        return Pack(pathlib.Path(found["pack"]), found["bytes"], found["sha256"], found["parts"], found["signed_by"], not_shown)
 
     def __repr__(self) -> str:
         return f"<Study {self.folder}: {self.title}>"

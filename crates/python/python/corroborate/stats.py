@@ -26,7 +26,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from . import _engine
+from . import _checked, _engine
 from ._problem import Problem
 
 __all__ = [
@@ -217,7 +217,8 @@ def rate(
     >>> print(rate(88, 100))
     88/100, 95 % CI 80.2 to 93.0 % (wilson)
     """
-    low, high = _stats.interval((successes, trials), confidence, method)
+    successes, trials, confidence = _trials(successes, trials, confidence)
+    low, high = _stats.interval((successes, trials), confidence, _checked.text(method, "method", "a name", "give \"wilson\""))
     return Rate(successes, trials, low, high, confidence, method)
 
 
@@ -227,6 +228,7 @@ def test_rate(successes: int, trials: int, *, threshold: float) -> RateTest:
     >>> round(test_rate(88, 100, threshold=0.95).p_below, 4)
     0.0043
     """
+    successes, trials, threshold = _trials(successes, trials, threshold, "threshold")
     return RateTest(threshold, *_stats.rate_tests((successes, trials), threshold))
 
 
@@ -243,6 +245,8 @@ def difference(first: Counts, second: Counts, *, confidence: float = 0.95) -> Di
     >>> round(found.estimate, 2), round(found.p_value, 3)
     (-0.08, 0.138)
     """
+    first, second = _checked.counts(first, "first"), _checked.counts(second, "second")
+    confidence = _checked.number(confidence, "confidence")
     estimate, (low, high), p_value = _stats.difference(first, second, confidence)
     return Difference(estimate, low, high, p_value, confidence)
 
@@ -264,7 +268,39 @@ def equivalence(
     >>> equivalence((18, 20), (18, 20), margin=0.05).shown()
     False
     """
-    return Equivalence(margin, _stats.equivalence(first, second, margin, method), method)
+    first, second = _checked.counts(first, "first"), _checked.counts(second, "second")
+    margin, name = _checked.number(margin, "margin"), _checked.text(method, "method", "a name", "give \"exact\"")
+    return Equivalence(margin, _stats.equivalence(first, second, margin, name), method)
+
+
+def _trials(successes: Any, trials: Any, share: Any, name: str = "confidence") -> tuple[int, int, float]:
+    """Two counts and a number."""
+    return _checked.whole(successes, "successes"), _checked.whole(trials, "trials"), _checked.number(share, name)
+
+
+def _pairs(counts: Any, name: str) -> list[Counts]:
+    """Counts of several samples."""
+    pairs = _checked.several(counts, name, "pairs (successes, trials)", "write [(9, 10), (10, 10)]")
+    return [_checked.counts(pair, f"{name}[{place}]") for place, pair in enumerate(pairs)]
+
+
+def _two(pair: Any, name: str, wanted: str) -> tuple[Any, Any]:
+    """Two entries, one for each arm."""
+    found = _checked.several(pair, name, wanted, f"give two {wanted}, one for each arm")
+    if len(found) != 2:
+        message = f"{name} has {len(found)} entries, and there are two arms"
+        raise Problem("wrong-argument", message, remedy=f"give two {wanted}, one for each arm")
+    return found[0], found[1]
+
+
+def _rates(pair: Any) -> tuple[float, float]:
+    """The true rates of two arms."""
+    first, second = _two(pair, "rates", "rates")
+    return _checked.number(first, "rates[0]"), _checked.number(second, "rates[1]")
+
+
+def _margin(margin: Any) -> float | None:
+    return None if margin is None else _checked.number(margin, "margin")
 
 
 def _succeeded(outcome: Any) -> bool:
@@ -287,7 +323,8 @@ def clusters_of(outcomes: Iterable[Any], groups: Iterable[Any]) -> list[Counts]:
     [(1, 2), (1, 1)]
     """
     found: dict[Any, list[int]] = {}
-    outcomes, groups = list(outcomes), list(groups)
+    outcomes = _checked.several(outcomes, "outcomes", "outcomes", "give one outcome for each trial")
+    groups = _checked.several(groups, "groups", "labels", "give one label for each trial")
     if len(outcomes) != len(groups):
         message = f"there are {len(outcomes)} outcomes and {len(groups)} labels of groups"
         raise Problem("bad-statistics", message, remedy="give each trial one of both")
@@ -305,14 +342,15 @@ def clustered_rate(clusters: Sequence[Counts], *, confidence: float = 0.95) -> C
     >>> clustered_rate(people).effective_trials < 50
     True
     """
-    total, count, method, (low, high), worth = _stats.clustered_rate(list(clusters), confidence)
+    confidence = _checked.number(confidence, "confidence")
+    total, count, method, (low, high), worth = _stats.clustered_rate(_pairs(clusters, "clusters"), confidence)
     successes, trials = total
     return ClusteredRate(successes, trials, count, low, high, confidence, method, worth[0], worth[1])
 
 
 def clustering(clusters: Sequence[Counts]) -> Clustering:
     """How alike the trials of a cluster are, by analysis of variance."""
-    return Clustering(*_stats.clustering(list(clusters)))
+    return Clustering(*_stats.clustering(_pairs(clusters, "clusters")))
 
 
 def confidence_sequence(successes: int, trials: int, *, confidence: float = 0.95) -> Rate:
@@ -323,6 +361,7 @@ def confidence_sequence(successes: int, trials: int, *, confidence: float = 0.95
     >>> sequence.low < rate(88, 100).low
     True
     """
+    successes, trials, confidence = _trials(successes, trials, confidence)
     low, high = _stats.confidence_sequence((successes, trials), confidence)
     return Rate(successes, trials, low, high, confidence, "confidence sequence")
 
@@ -340,8 +379,8 @@ class RunningRate:
     __slots__ = ("_confidence", "_running")
 
     def __init__(self, *, confidence: float = 0.95) -> None:
-        self._running = _stats.RunningRate(confidence)
-        self._confidence = confidence
+        self._confidence = _checked.number(confidence, "confidence")
+        self._running = _stats.RunningRate(self._confidence)
 
     def observe(self, success: bool) -> tuple[float, float]:
         """Takes one more trial; gives the ends of the interval now."""
@@ -375,7 +414,8 @@ def decide(
     >>> decide(96, 100, threshold=0.95, confidence=0.99)
     'open'
     """
-    found = _stats.decide((successes, trials), threshold, confidence)
+    successes, trials, confidence = _trials(successes, trials, confidence)
+    found = _stats.decide((successes, trials), _checked.number(threshold, "threshold"), confidence)
     return "at-least" if found > 0 else "below" if found < 0 else "open"
 
 
@@ -387,11 +427,12 @@ def continued_rate(looks: Sequence[Counts], *, confidence: float = 0.95) -> Rate
     >>> twice.trials
     20
     """
+    looks, confidence = _pairs(looks, "looks"), _checked.number(confidence, "confidence")
     for (before, all_before), (now, all_now) in zip(looks, looks[1:]):
         if now < before or all_now - now < all_before - before:
             message = f"{now} of {all_now} cannot come after {before} of {all_before}"
             raise Problem("bad-statistics", message, remedy="give all trials so far at each look, the earlier ones among them")
-    low, high = _stats.continued_interval(list(looks), confidence)
+    low, high = _stats.continued_interval(looks, confidence)
     successes, trials = looks[-1] if looks else (0, 0)
     return Rate(successes, trials, low, high, confidence, "continued")
 
@@ -411,7 +452,8 @@ def trials_per_arm(
     >>> trials_per_arm((0.9, 0.8), margin=0.05) is None
     True
     """
-    return _stats.trials_per_arm(rates, margin, confidence, power)
+    confidence, power = _checked.number(confidence, "confidence"), _checked.number(power, "power")
+    return _stats.trials_per_arm(_rates(rates), _margin(margin), confidence, power)
 
 
 def power(
@@ -427,7 +469,9 @@ def power(
     >>> 0.8 <= power((0.9, 0.8), (197, 197)) < 0.81
     True
     """
-    return _stats.power(rates, trials, margin, confidence)
+    first, second = _two(trials, "trials", "counts")
+    trials = _checked.whole(first, "trials[0]"), _checked.whole(second, "trials[1]")
+    return _stats.power(_rates(rates), trials, _margin(margin), _checked.number(confidence, "confidence"))
 
 
 def paired(
@@ -448,7 +492,9 @@ def paired(
     (0.1, 0.0244, 0.1855, 0.021)
     """
     if first is not None and second is not None:
-        one, other = [_succeeded(it) for it in first], [_succeeded(it) for it in second]
+        remedy = "give an outcome for each scenario, true or false"
+        one = [_succeeded(it) for it in _checked.several(first, "first", "outcomes", remedy)]
+        other = [_succeeded(it) for it in _checked.several(second, "second", "outcomes", remedy)]
         if len(one) != len(other):
             message = f"the first has {len(one)} outcomes and the second {len(other)}"
             raise Problem("bad-statistics", message, remedy="give both the same scenarios in the same order")
@@ -458,6 +504,8 @@ def paired(
     if pairs is None or only_first is None or only_second is None:
         message = "pairs are given by two lists of outcomes, or by all three counts"
         raise Problem("bad-statistics", message, remedy="write paired(first, second)")
+    pairs, confidence = _checked.whole(pairs, "pairs"), _checked.number(confidence, "confidence")
+    only_first, only_second = _checked.whole(only_first, "only_first"), _checked.whole(only_second, "only_second")
     change, (low, high), p_value = _stats.paired(pairs, only_first, only_second, confidence)
     return Paired(pairs, only_first, only_second, change, low, high, p_value, confidence)
 
@@ -468,7 +516,8 @@ def holm(p_values: Iterable[float]) -> list[float]:
     >>> holm([0.01, 0.04, 0.03])
     [0.03, 0.06, 0.06]
     """
-    values = list(p_values)
+    values = _checked.several(p_values, "p_values", "p-values", "give a list of numbers from 0 to 1")
+    values = [_checked.number(value, f"p_values[{place}]") for place, value in enumerate(values)]
     for value in values:
         if value < 0 or value > 1:
             raise Problem("bad-statistics", f"{value} is not a p-value", remedy="give numbers from 0 to 1")
@@ -481,5 +530,6 @@ def heterogeneity(counts: Sequence[Counts], *, confidence: float = 0.95) -> Hete
     >>> heterogeneity([(90, 100), (60, 100), (95, 100)]).p_value < 0.001
     True
     """
-    (q, degrees, p_value), (i_squared, tau_squared), (pooled, (low, high)) = _stats.heterogeneity(list(counts), confidence)
+    confidence = _checked.number(confidence, "confidence")
+    (q, degrees, p_value), (i_squared, tau_squared), (pooled, (low, high)) = _stats.heterogeneity(_pairs(counts, "counts"), confidence)
     return Heterogeneity(q, degrees, p_value, i_squared, tau_squared, pooled, low, high, confidence)

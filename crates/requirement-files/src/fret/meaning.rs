@@ -7,8 +7,15 @@
 //!   holds nowhere);
 //! * *runs that end*: both hold of the same words that end (FRET's `ptExpanded` at the last position, and `ftExpanded` at the
 //!   first). Here FRET excuses what could still have come in time, and a sentence of ours does not: what a monitor says of an
-//!   unfinished recording is a matter of its ending. So a formula that holds where the sentence does not is an *excuse*; one that
-//!   does not hold where the sentence does is a difference as any other, and is looked for first.
+//!   unfinished recording is a matter of its ending. So a formula that holds where the sentence does not is an *excuse* if the
+//!   sentence could still come to hold: some continuation of the word, which goes on for ever, satisfies it
+//!   (`continuation.rs`). Without one it is a difference as any other, and so is a formula that does not hold where the sentence
+//!   does; differences are looked for first.
+//!
+//! # Deviation
+//! FRET excuses each trigger by itself. Where several triggers ask for what cannot come together (`after 3 ticks`, triggered at
+//! two positions that follow each other, asks for the response at one position and forbids it there), no continuation satisfies
+//! the sentence, and FRET's own formula differs from it.
 //!
 //! # Method
 //! Letters are valuations, one of each combination of truths of the largest parts without time of both sides: what else differs
@@ -21,18 +28,20 @@
 //! sides. A word that tells them apart is made as short and as false as it goes.
 //!
 //! # Guarantee
-//! A word that is shown tells them apart (each truth is computed by the definition of its side). That none was found is no
-//! proof: how many words were tried, and up to which length all over both sides' names, is said. Comparisons count as independent: a word may have
+//! A word that is shown tells them apart (each truth is computed by the definition of its side), and a continuation that is
+//! shown satisfies the sentence. That none was found is no proof: how many words were tried, and up to which length all over both sides' names, is said. Comparisons count as independent: a word may have
 //! `x > 1` and `x < 0` at once.
 //!
 //! # Cost
 //! Words times positions times bounds; durations beyond [`LONGEST`] are refused.
 
+use super::continuation::{Tail, continuation};
 use super::expression;
 use super::words::{Atoms, Node, Word};
 use requirement_lang::expression::Expression;
 use requirement_lang::semantics::{Word as SentenceWord, holds};
 use requirement_lang::sentence::{Amount, Sentence};
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 
 /// The longest duration in time points.
@@ -49,6 +58,8 @@ const MOST_LETTERS: usize = 512;
 const ALL_VALUATIONS: usize = 16;
 /// The most words of one letter but for one position.
 const BUT_FOR_ONE: usize = 2_000;
+/// How many words without a continuation are looked at, at most, while one of them is made small.
+const BROKEN_WORDS: usize = 120;
 
 /// What a comparison came to.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +73,15 @@ pub enum Comparison {
     },
     /// They differ.
     Differs(Box<Trace>),
+    /// On runs that end, FRET's formula excuses what could still come, and in nothing else did they differ.
+    Excuses {
+        /// A word that is excused, with what could still come.
+        trace: Box<Trace>,
+        /// How many words were tried.
+        words: usize,
+        /// Up to this length, all words over the names of both sides were, each or one that both sides judge like it.
+        all_up_to: usize,
+    },
     /// They were not compared, for this reason.
     NotCompared(String),
 }
@@ -79,31 +99,30 @@ pub struct Trace {
     pub formula: bool,
     /// Which of FRET's formulas.
     pub formula_name: &'static str,
+    /// What could still come so that the sentence holds, and from which of these time points on it repeats for ever.
+    pub could_come: Option<(Vec<Vec<String>>, usize)>,
 }
 
-impl Trace {
-    /// Whether FRET's formula excuses, on a run that ends, what the sentence asks for.
-    #[must_use]
-    pub fn is_excuse(&self) -> bool {
-        self.repeats_from.is_none() && self.formula && !self.sentence
-    }
+/// Time points in words.
+fn in_words(steps: &[Vec<String>], repeats_from: Option<usize>) -> String {
+    let of = |(at, step): (usize, &Vec<String>)| {
+        let what = match step.is_empty() {
+            true => "nothing holds".to_owned(),
+            false => step.join(", "),
+        };
+        let from = if repeats_from == Some(at) {
+            "for ever: "
+        } else {
+            ""
+        };
+        format!("{from}{what}")
+    };
+    let steps: Vec<String> = steps.iter().enumerate().map(of).collect();
+    steps.join("; then ")
 }
 
 impl std::fmt::Display for Trace {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut steps: Vec<String> = Vec::new();
-        for (at, step) in self.steps.iter().enumerate() {
-            let what = match step.is_empty() {
-                true => "nothing holds".to_owned(),
-                false => step.join(", "),
-            };
-            let from = if self.repeats_from == Some(at) {
-                "for ever: "
-            } else {
-                ""
-            };
-            steps.push(format!("{from}{what}"));
-        }
         let end = if self.repeats_from.is_none() {
             "; the run ends"
         } else {
@@ -113,11 +132,19 @@ impl std::fmt::Display for Trace {
         write!(
             out,
             "{}{end}: the sentence {}, FRET's {} {}",
-            steps.join("; then "),
+            in_words(&self.steps, self.repeats_from),
             word(self.sentence),
             self.formula_name,
             word(self.formula)
-        )
+        )?;
+        match &self.could_come {
+            Some((steps, from)) => write!(
+                out,
+                "; FRET excuses what could still come: {}",
+                in_words(steps, Some(*from))
+            ),
+            None => Ok(()),
+        }
     }
 }
 
@@ -137,10 +164,66 @@ pub(crate) fn compared(
     formulas: &[Formula<'_>],
     ends: bool,
 ) -> Comparison {
-    match Setup::new(sentence, definitions, step_secs, formulas, ends) {
+    let asked = Asked {
+        definitions,
+        formulas,
+        other: None,
+    };
+    match Setup::new(sentence, &asked, step_secs, ends) {
         Ok(mut setup) => setup.compare(),
         Err(reason) => Comparison::NotCompared(reason),
     }
+}
+
+/// Compares a sentence with another sentence, which stands in FRET's text, on words that do not end.
+pub(crate) fn compared_sentences(
+    sentence: &Sentence,
+    other: &Sentence,
+    step_secs: f64,
+) -> Comparison {
+    let asked = Asked {
+        definitions: &[],
+        formulas: &[],
+        other: Some(other),
+    };
+    match Setup::new(sentence, &asked, step_secs, false) {
+        Ok(mut setup) => setup.compare(),
+        Err(reason) => Comparison::NotCompared(reason),
+    }
+}
+
+/// With what a sentence is compared: formulas, or another sentence.
+struct Asked<'a, 's> {
+    definitions: &'a [(String, String)],
+    formulas: &'a [Formula<'a>],
+    other: Option<&'s Sentence>,
+}
+
+/// What each proposition of a sentence is, beside those that are known.
+fn propositions(
+    sentence: &Sentence,
+    definitions: &[(String, String)],
+    atoms: &mut Atoms,
+    own: &mut Vec<(String, Node)>,
+) -> Result<(), String> {
+    for text in sentence.propositions() {
+        if own.iter().any(|(known, _)| known == text) {
+            continue;
+        }
+        let defined = definitions.iter().find(|(name, _)| name == text);
+        let meaning = defined.map_or(text, |(_, meaning)| meaning);
+        let read = expression::expression(meaning)
+            .map_err(|reason| format!("`{text}` is not an expression of FRET's: {reason}"))?;
+        let node = match (&read, defined) {
+            // By itself `FTP` is a name like any other in a sentence of ours.
+            (expression::Expr::Point(name), None) => {
+                atoms.compile(&expression::Expr::Name((*name).to_owned()))?
+            }
+            _ => atoms.compile(&read)?,
+        };
+        own.push((text.to_owned(), node));
+    }
+    Ok(())
 }
 
 /// An expression of a sentence, with what its atoms are.
@@ -167,7 +250,7 @@ fn node_of(expression: &Expression, own: &[(String, Node)]) -> Node {
     }
 }
 
-struct Setup<'s> {
+pub(super) struct Setup<'s> {
     sentence: &'s Sentence,
     step_secs: f64,
     /// What each atom of the sentence is.
@@ -175,41 +258,48 @@ struct Setup<'s> {
     /// Its expressions.
     expressions: Vec<Node>,
     formulas: Vec<(&'static str, Node, bool)>,
+    other: Option<&'s Sentence>,
     atoms: Atoms,
     ends: bool,
-    /// Whether only words are looked for in which the sentence holds and a formula does not.
-    drift_alone: bool,
+    wanted: Wanted,
+    /// What helped the last word that could be continued.
+    helped: RefCell<Option<Tail>>,
+    /// How many words without a continuation may still be looked at.
+    broken_left: Cell<usize>,
+    /// The letters of which words are made, and whether every valuation is judged like one of them.
+    letters: Vec<u64>,
+    are_all: bool,
     memory: (usize, usize),
     longest: usize,
+}
+
+/// Which words are looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Wanted {
+    /// In which the sentence and a formula differ.
+    Any,
+    /// In which the sentence holds and a formula does not.
+    Stricter,
+    /// In which a formula holds, and the sentence does not and never will.
+    Weaker,
 }
 
 impl<'s> Setup<'s> {
     fn new(
         sentence: &'s Sentence,
-        definitions: &[(String, String)],
+        asked: &Asked<'_, 's>,
         step_secs: f64,
-        formulas: &[Formula<'_>],
         ends: bool,
     ) -> Result<Self, String> {
         let mut atoms = Atoms::default();
         let mut own = Vec::new();
-        for text in sentence.propositions() {
-            let defined = definitions.iter().find(|(name, _)| name == text);
-            let meaning = defined.map_or(text, |(_, meaning)| meaning);
-            let read = expression::expression(meaning)
-                .map_err(|reason| format!("`{text}` is not an expression of FRET's: {reason}"))?;
-            let node = match (&read, defined) {
-                // By itself `FTP` is a name like any other in a sentence of ours.
-                (expression::Expr::Point(name), None) => {
-                    atoms.compile(&expression::Expr::Name((*name).to_owned()))?
-                }
-                _ => atoms.compile(&read)?,
-            };
-            own.push((text.to_owned(), node));
-        }
+        propositions(sentence, asked.definitions, &mut atoms, &mut own)?;
         let of_sentence = atoms.texts.clone();
+        if let Some(other) = asked.other {
+            propositions(other, asked.definitions, &mut atoms, &mut own)?;
+        }
         let mut read = Vec::new();
-        for formula in formulas {
+        for formula in asked.formulas {
             let tree = expression::formula(formula.text)
                 .map_err(|reason| format!("{} cannot be read: {reason}", formula.name))?;
             let node = atoms
@@ -220,8 +310,9 @@ impl<'s> Setup<'s> {
         if let Some(other) = atoms.texts.get(of_sentence.len()..).and_then(<[_]>::first)
             && !of_sentence.is_empty()
         {
+            let who = asked.other.map_or("FRET's formula", |_| "FRET's text");
             return Err(format!(
-                "FRET's formula speaks of `{other}`, and the sentence does not"
+                "{who} speaks of `{other}`, and the sentence does not"
             ));
         }
         if atoms.texts.len() > MOST_ATOMS {
@@ -236,7 +327,8 @@ impl<'s> Setup<'s> {
         };
         let memory = nodes().map(Node::memory);
         let memory = memory.fold((0, 0), |all, it| (all.0 + it.0, all.1 + it.1));
-        let durations = sentence.stages.iter().filter_map(|stage| {
+        let sentences = || std::iter::once(sentence).chain(asked.other);
+        let durations = sentences().flat_map(|it| &it.stages).filter_map(|stage| {
             Some(match stage.timing.duration()?.amount {
                 Amount::Steps(steps) => steps as usize,
                 Amount::Secs(secs) => (secs / step_secs) as usize,
@@ -250,25 +342,45 @@ impl<'s> Setup<'s> {
         if longest > LONGEST {
             return Err(format!("a duration is longer than {LONGEST} time points"));
         }
-        let expressions = sentence.expressions().into_iter();
+        let expressions = sentences().flat_map(|it| it.expressions());
         let expressions = expressions.map(|it| node_of(it, &own)).collect();
-        Ok(Self {
+        let mut setup = Self {
             sentence,
             step_secs,
             own,
             expressions,
             formulas: read,
+            other: asked.other,
             atoms,
             ends,
-            drift_alone: false,
+            wanted: Wanted::Any,
+            helped: RefCell::new(None),
+            broken_left: Cell::new(BROKEN_WORDS),
+            letters: Vec::new(),
+            are_all: false,
             memory,
             longest,
-        })
+        };
+        (setup.letters, setup.are_all) = setup.letters();
+        Ok(setup)
     }
 
-    /// The truth of the sentence and of the first formula that differs from it; of the last one, if none does.
-    fn truths(&self, word: &Word) -> (bool, bool, &'static str) {
-        let word = &word.written_out(self.memory);
+    /// The longest duration in time points.
+    pub(super) fn longest(&self) -> usize {
+        self.longest
+    }
+
+    /// The letters of which words are made.
+    pub(super) fn valuations(&self) -> &[u64] {
+        &self.letters
+    }
+
+    /// Whether the sentence holds of a word.
+    pub(super) fn sentence_holds(&self, word: &Word) -> bool {
+        self.holds_on(self.sentence, &word.written_out(self.memory))
+    }
+
+    fn holds_on(&self, sentence: &Sentence, word: &Word) -> bool {
         let own: Vec<(&str, Vec<bool>)> = self
             .own
             .iter()
@@ -283,7 +395,16 @@ impl<'s> Setup<'s> {
             length: word.letters.len(),
             repeats_from: word.repeats_from,
         };
-        let sentence = holds(self.sentence, &sentence_word, self.step_secs);
+        holds(sentence, &sentence_word, self.step_secs)
+    }
+
+    /// The truth of the sentence and of the first formula that differs from it; of the last one, if none does.
+    fn truths(&self, word: &Word) -> (bool, bool, &'static str) {
+        let word = &word.written_out(self.memory);
+        let sentence = self.holds_on(self.sentence, word);
+        if let Some(other) = self.other {
+            return (sentence, self.holds_on(other, word), "text");
+        }
         let mut last = (sentence, sentence, "formula");
         for (name, node, at_end) in &self.formulas {
             let values = node.truth(word);
@@ -292,8 +413,13 @@ impl<'s> Setup<'s> {
                 false => values.first(),
             };
             let value = value.copied().unwrap_or(true);
-            // A formula that is weaker is passed over where only one that is stricter is looked for.
-            if sentence != value && (sentence || !self.drift_alone) {
+            // A formula that differs to the other side is passed over where only one side is looked for.
+            let is_wanted = match self.wanted {
+                Wanted::Any => true,
+                Wanted::Stricter => sentence,
+                Wanted::Weaker => !sentence,
+            };
+            if sentence != value && is_wanted {
                 return (sentence, value, name);
             }
             last = (sentence, sentence, name);
@@ -304,24 +430,50 @@ impl<'s> Setup<'s> {
     /// Whether a word tells them apart as it is asked.
     fn differs(&self, word: &Word) -> bool {
         let (sentence, formula, _) = self.truths(word);
-        sentence != formula
+        sentence != formula && (self.wanted != Wanted::Weaker || self.is_broken(word))
     }
 
-    /// On words that end, first a word in which the sentence holds and a formula does not: such a one excuses nothing.
-    fn compare(&mut self) -> Comparison {
-        if self.ends {
-            self.drift_alone = true;
-            let drift = self.search();
-            if let Comparison::Differs(_) = drift {
-                return drift;
-            }
-            self.drift_alone = false;
+    /// Whether a word that ends has no continuation that satisfies the sentence, as far as one was looked for.
+    fn is_broken(&self, word: &Word) -> bool {
+        // Only making a word small looks at so many.
+        if self.broken_left.get() == 0 {
+            return false;
         }
-        self.search()
+        let found = continuation(self, word, &mut self.helped.borrow_mut());
+        if found.is_none() {
+            self.broken_left.set(self.broken_left.get() - 1);
+        }
+        found.is_none()
+    }
+
+    /// On words that end, first a word in which the sentence holds and a formula does not, then one in which a formula holds and
+    /// the sentence never will: such a one excuses nothing.
+    fn compare(&mut self) -> Comparison {
+        if !self.ends {
+            return self.search();
+        }
+        self.wanted = Wanted::Stricter;
+        let stricter = self.search();
+        if let Comparison::Differs(_) = stricter {
+            return stricter;
+        }
+        self.wanted = Wanted::Any;
+        let Comparison::Differs(trace) = self.search() else {
+            return stricter;
+        };
+        self.wanted = Wanted::Weaker;
+        match self.search() {
+            Comparison::Same { words, all_up_to } => Comparison::Excuses {
+                trace,
+                words,
+                all_up_to,
+            },
+            weaker => weaker,
+        }
     }
 
     fn search(&self) -> Comparison {
-        let (letters, are_all) = self.letters();
+        let (letters, are_all) = (&self.letters, self.are_all);
         let mut tried = 0;
         let mut all_up_to = 0;
         for length in 1..=6 {
@@ -355,19 +507,19 @@ impl<'s> Setup<'s> {
                 all_up_to = length;
             }
         }
-        let mut draw = Draw(0x5eed);
+        let mut draw = Draw::new(0x5eed);
         let long = 3 * (self.longest + 3) + self.memory.1;
         let most = (WORK / (long * long / 4).max(1)).clamp(40, DRAWN_WORDS);
         let around = self
-            .around_the_bound(&letters)
+            .around_the_bound(letters)
             .into_iter()
             .take(2 * most / 3);
         let mut words: Vec<Word> = around.collect();
-        let but_for_one = self.but_for_one(&letters);
+        let but_for_one = self.but_for_one(letters);
         let most = most + but_for_one.len();
         words.extend(but_for_one);
         while words.len() < most {
-            words.push(self.drawn(&letters, &mut draw));
+            words.push(self.drawn(&mut draw));
         }
         for word in words {
             tried += 1;
@@ -411,7 +563,7 @@ impl<'s> Setup<'s> {
                 valuations.extend((0..one).map(|other| base ^ (1 << one) ^ (1 << other)));
             }
         }
-        let mut draw = Draw(7);
+        let mut draw = Draw::new(7);
         valuations.extend((0..4096).map(|at| draw.biased(at) & mask));
         let mut letters = first_of_each(&valuations, &parts);
         for _ in 0..3 {
@@ -483,7 +635,18 @@ impl<'s> Setup<'s> {
         mixed.map(|at| words[at].clone()).collect()
     }
 
-    fn drawn(&self, letters: &[u64], draw: &mut Draw) -> Word {
+    fn drawn(&self, draw: &mut Draw) -> Word {
+        let letters = self.drawn_letters(draw);
+        let repeats_from = (!self.ends).then(|| draw.below(letters.len()));
+        Word {
+            letters,
+            repeats_from,
+        }
+    }
+
+    /// Letters that stay for as long as durations last, one more and one less.
+    pub(super) fn drawn_letters(&self, draw: &mut Draw) -> Vec<u64> {
+        let letters = &self.letters;
         let mask = (1_u64 << self.atoms.texts.len()) - 1;
         let d = self.longest;
         let stays = [1, 1, 2, 3, d.saturating_sub(1), d, d + 1, d + 2];
@@ -502,11 +665,7 @@ impl<'s> Setup<'s> {
                 break;
             }
         }
-        let repeats_from = (!self.ends).then(|| draw.below(word.len()));
-        Word {
-            letters: word,
-            repeats_from,
-        }
+        word
     }
 
     /// A word that tells them apart, made small.
@@ -534,19 +693,41 @@ impl<'s> Setup<'s> {
             }
         }
         let (sentence, formula, formula_name) = self.truths(&word);
+        let could_come = match self.ends && formula && self.wanted == Wanted::Any {
+            true => self.could_come(&word),
+            false => None,
+        };
+        Comparison::Differs(Box::new(Trace {
+            steps: self.named(&word.letters),
+            repeats_from: word.repeats_from,
+            sentence,
+            formula,
+            formula_name,
+            could_come,
+        }))
+    }
+
+    /// What could come behind a word so that the sentence holds.
+    fn could_come(&self, word: &Word) -> Option<(Vec<Vec<String>>, usize)> {
+        let longer = continuation(self, word, &mut self.helped.borrow_mut())?;
+        let behind = longer.letters.get(word.letters.len()..)?;
+        // The word itself, repeated, comes as a whole.
+        let from = longer.repeats_from?;
+        Some(match behind.is_empty() {
+            true => (self.named(&word.letters[from..]), 0),
+            false => (self.named(behind), from - word.letters.len()),
+        })
+    }
+
+    /// What holds at each position.
+    fn named(&self, letters: &[u64]) -> Vec<Vec<String>> {
         let names = |letter: &u64| {
             let all = self.atoms.texts.iter().enumerate();
             all.filter(|(bit, _)| letter >> bit & 1 == 1)
                 .map(|(_, text)| text.trim_matches(['(', ')']).to_owned())
                 .collect()
         };
-        Comparison::Differs(Box::new(Trace {
-            steps: word.letters.iter().map(names).collect(),
-            repeats_from: word.repeats_from,
-            sentence,
-            formula,
-            formula_name,
-        }))
+        letters.iter().map(names).collect()
     }
 }
 
@@ -573,9 +754,13 @@ fn first_of_each(valuations: &[u64], parts: &[&Node]) -> Vec<u64> {
 /// Drawn numbers, the same every time.
 ///
 /// Source: S. Vigna, SplitMix64 (2015), public domain.
-struct Draw(u64);
+pub(super) struct Draw(u64);
 
 impl Draw {
+    pub(super) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut mixed = self.0;
@@ -594,7 +779,7 @@ impl Draw {
         }
     }
 
-    fn below(&mut self, count: usize) -> usize {
+    pub(super) fn below(&mut self, count: usize) -> usize {
         (self.next() % count.max(1) as u64) as usize
     }
 }

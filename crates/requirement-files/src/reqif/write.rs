@@ -138,9 +138,16 @@ impl<'d> Writer<'_, 'd> {
         let value = item.value(field);
         let content = &self.contents[at];
         match content.value(object, name) {
-            Some((element, _)) => self.replace(at, element, &item.id, &value),
+            Some((element, _)) => {
+                let definition = super::referred(element, "DEFINITION").unwrap_or_default();
+                let definition = content.definitions.get(definition).map(|(_, node)| *node);
+                self.check_length(at, definition, &item.id, field.name(), &value)?;
+                self.replace(at, element, &item.id, &value)
+            }
             None => {
                 let kind = content.type_of(object);
+                let definition = self.definition(at, kind, name);
+                self.check_length(at, definition, &item.id, field.name(), &value)?;
                 let new = self.new_value(at, kind, name, &item.id, &value)?;
                 match child(object, "VALUES") {
                     Some(values) => self.put(at, values, None, new),
@@ -237,6 +244,56 @@ impl<'d> Writer<'_, 'd> {
         Ok(out)
     }
 
+    /// The definition of an attribute of objects of this type.
+    fn definition(
+        &self,
+        at: usize,
+        kind: Option<Node<'d, 'd>>,
+        name: &str,
+    ) -> Option<Node<'d, 'd>> {
+        let mut inner = kind?.descendants();
+        inner.find(|it| {
+            let identifier = it.attribute("IDENTIFIER").unwrap_or_default();
+            let known = self.contents[at].definitions.get(identifier);
+            known.is_some_and(|(known, _)| *known == name)
+        })
+    }
+
+    /// Fails if a text is longer than the attribute's type allows: a tool that reads the file may refuse it, or cut it.
+    fn check_length(
+        &self,
+        at: usize,
+        definition: Option<Node<'d, 'd>>,
+        id: &str,
+        what: &str,
+        value: &str,
+    ) -> Result<(), Problem> {
+        let Some(definition) = definition else {
+            return Ok(());
+        };
+        let datatype = super::referred(definition, "TYPE").unwrap_or_default();
+        let mut datatypes = self.contents[at].root.descendants();
+        let most = datatypes
+            .find(|it| {
+                it.tag_name().name() == "DATATYPE-DEFINITION-STRING"
+                    && it.attribute("IDENTIFIER") == Some(datatype)
+            })
+            .and_then(|it| it.attribute("MAX-LENGTH")?.trim().parse::<usize>().ok());
+        let length = value.chars().count();
+        match most.filter(|most| length > *most) {
+            None => Ok(()),
+            Some(most) => {
+                let name = definition.attribute("LONG-NAME").unwrap_or_default();
+                let reason = format!(
+                    "its {what} has {}, and the attribute `{name}` of the file takes {most} at most (MAX-LENGTH)",
+                    diagnostic::counted(length, "character")
+                );
+                Err(cannot_write(id, &reason)
+                    .remedy("shorten it, or raise MAX-LENGTH in the other tool"))
+            }
+        }
+    }
+
     /// The element of a value that an object of this type does not have yet.
     fn new_value(
         &self,
@@ -246,13 +303,7 @@ impl<'d> Writer<'_, 'd> {
         id: &str,
         value: &str,
     ) -> Result<String, Problem> {
-        let mut inner = kind.into_iter().flat_map(|it| it.descendants());
-        let definition = inner.find(|it| {
-            let identifier = it.attribute("IDENTIFIER").unwrap_or_default();
-            let known = self.contents[at].definitions.get(identifier);
-            known.is_some_and(|(known, _)| *known == name)
-        });
-        let Some(definition) = definition else {
+        let Some(definition) = self.definition(at, kind, name) else {
             return Err(cannot_write(
                 id,
                 &format!("objects of its type have no attribute `{name}`"),
@@ -420,7 +471,9 @@ impl<'d> Writer<'_, 'd> {
         let mut values = String::new();
         match &self.names.id {
             Some(name) => {
-                values.push_str(&self.new_value(at, Some(kind), name, &item.id, &item.id)?)
+                let definition = self.definition(at, Some(kind), name);
+                self.check_length(at, definition, &item.id, "id", &item.id)?;
+                values.push_str(&self.new_value(at, Some(kind), name, &item.id, &item.id)?);
             }
             None if identifier != item.id => {
                 return Err(cannot_write(
@@ -433,6 +486,8 @@ impl<'d> Writer<'_, 'd> {
         for field in [Field::Text, Field::Rationale, Field::Status] {
             let value = item.value(field);
             if let Some(name) = self.names.of(field).filter(|_| !value.is_empty()) {
+                let definition = self.definition(at, Some(kind), name);
+                self.check_length(at, definition, &item.id, field.name(), &value)?;
                 values.push_str(&self.new_value(at, Some(kind), name, &item.id, &value)?);
             }
         }

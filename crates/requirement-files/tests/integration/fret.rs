@@ -154,13 +154,68 @@ fn a_formula_of_the_same_meaning_is_found_the_same() {
     };
     assert!(words > 1_000 && all_up_to >= 3);
     // FRET excuses what could still have come; a sentence of ours does not.
-    let Comparison::Differs(trace) = meaning.ends else {
+    let Comparison::Excuses { trace, words, .. } = meaning.ends else {
         panic!("{:?}", meaning.ends);
     };
+    assert!(words > 1_000);
     assert_eq!(
         trace.to_string(),
-        "near; the run ends: the sentence does not hold, FRET's ftExpanded holds"
+        "near; the run ends: the sentence does not hold, FRET's ftExpanded holds; FRET excuses what could still come: for ever: slow"
     );
+}
+
+/// A formula excuses only what could still come: one that holds where the sentence never will is another.
+#[test]
+fn a_formula_that_is_too_weak_on_runs_that_end_is_no_excuse() {
+    let of = |text: &str, formula: &str| {
+        let sentence = parse(text, &Context::default()).tree;
+        compare(&sentence, &future(formula), None, None).ends
+    };
+    let within = "Whenever near, the arm shall within 2 steps satisfy slow";
+    let after = "The arm shall after 3 steps satisfy slow";
+    let response = "(LAST V (near -> ((F[0,2] slow) | (F[0,1] LAST))))";
+    let late = "(((G[0,2] (! slow)) | (LAST V (! slow))) & ((F[0,3] slow) | (F[0,2] LAST)))";
+    for (text, formula, to_come) in [
+        (within, response, "for ever: slow"),
+        (
+            after,
+            late,
+            "nothing holds; then nothing holds; then for ever: slow",
+        ),
+    ] {
+        let Comparison::Excuses { trace, .. } = of(text, formula) else {
+            panic!("{text}: {:?}", of(text, formula));
+        };
+        let shown = trace.to_string();
+        assert!(
+            shown.ends_with(&format!("could still come: {to_come}")),
+            "{shown}"
+        );
+    }
+    let weaker = [
+        (within, response, "TRUE"),
+        (within, "F[0,2]", "F[0,3]"),
+        (within, "F[0,1]", "F[0,2]"),
+        (within, "slow)", "(slow | near))"),
+        (within, "near ->", "(near & slow) ->"),
+        (within, "[0,2] slow", "[0,40] slow"),
+        (after, "F[0,3]", "F[0,4]"),
+        (after, "F[0,2]", "F[0,3]"),
+        (after, "G[0,2]", "G[0,1]"),
+        (after, "G[0,2] (! slow)", "G[1,2] (! slow)"),
+    ];
+    for (text, old, new) in weaker {
+        let formula = if text == within { response } else { late };
+        assert!(formula.contains(old), "{old}");
+        let found = of(text, &formula.replace(old, new));
+        let Comparison::Differs(trace) = found else {
+            panic!("{text} with {new}: {found:?}");
+        };
+        assert!(
+            !trace.sentence && trace.formula && trace.could_come.is_none(),
+            "{trace}"
+        );
+    }
 }
 
 #[test]

@@ -200,3 +200,55 @@ fn an_archive_keeps_its_other_files() {
         assert!(Document::read(Format::ReqIfArchive, &[cut], &Columns::default()).is_err());
     }
 }
+
+/// Tools refuse or cut what is longer than the type of an attribute allows.
+#[test]
+fn a_text_that_is_longer_than_its_type_allows_is_refused() {
+    let text = FILE
+        .replace(
+            "<r:DATATYPES>",
+            "<r:DATATYPES><r:DATATYPE-DEFINITION-STRING IDENTIFIER=\"_short\" MAX-LENGTH=\"5\"/>",
+        )
+        .replace(
+            "IDENTIFIER=\"_w\" LONG-NAME=\"Rationale\"/>",
+            "IDENTIFIER=\"_w\" LONG-NAME=\"Rationale\"><r:TYPE><r:DATATYPE-DEFINITION-STRING-REF>_short\
+             </r:DATATYPE-DEFINITION-STRING-REF></r:TYPE></r:ATTRIBUTE-DEFINITION-STRING>",
+        );
+    let mut text = text;
+    for (rationale, fits) in [("\u{e9}\u{e9}\u{e9}\u{e9}\u{e9}", true), ("longer", false)] {
+        let document = read(Format::ReqIf, &text).expect("a file");
+        let set = Item {
+            rationale: rationale.into(),
+            ..document.items[0].item.clone()
+        };
+        let added = Item {
+            rationale: rationale.into(),
+            status: "open".into(),
+            ..item("R3", "Third", &[])
+        };
+        for (change, id) in [
+            (Change::Set(set, vec![Field::Rationale]), "`R1`"),
+            (Change::Add(added), "`R3`"),
+        ] {
+            let written = document.with(&[change]);
+            if fits {
+                let files = written.expect("it fits");
+                // The next one replaces a value that is there.
+                if id == "`R1`" {
+                    text = String::from_utf8(files[0].bytes.clone()).expect("UTF-8");
+                }
+                continue;
+            }
+            let problem = written.expect_err("too long");
+            assert_eq!(problem.code, "cannot-write-requirement");
+            for said in [
+                id,
+                "its rationale has 6 characters",
+                "`Rationale`",
+                "5 at most (MAX-LENGTH)",
+            ] {
+                assert!(problem.message().contains(said), "{problem}");
+            }
+        }
+    }
+}

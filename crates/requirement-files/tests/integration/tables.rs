@@ -1,7 +1,7 @@
 //! CSV and StrictDoc.
 
 use crate::support::{changed, every_text_can_be_changed, file, item, read};
-use requirement_files::{Change, Columns, Document, Field, Format};
+use requirement_files::{Change, Columns, Document, Field, File, Format, Item};
 
 const TABLE: &str = "Owner;ID;Requirement;Parent;Status\r\n\
                      Ada;R1;\"The arm stops;\r\nat \"\"once\"\".\";;draft\r\n\
@@ -141,4 +141,101 @@ fn a_grammar_of_its_own_says_which_fields_there_are() {
         REQUIRED: True\n  - TITLE: STATEMENT\n    TYPE: String\n    REQUIRED: True\n\n[REQUIREMENT]\nUID: A\nSTATEMENT: x\n";
     let document = read(Format::StrictDoc, grammar).expect("a document");
     assert_eq!(document.fields, [Field::Text, Field::Parents]);
+}
+
+#[test]
+fn a_value_that_the_grammar_does_not_let_a_field_have_is_refused() {
+    let grammar = "[DOCUMENT]\nTITLE: A\n\n[GRAMMAR]\nELEMENTS:\n- TAG: TEXT\n  FIELDS:\n  - TITLE: STATUS\n    TYPE: SingleChoice(x)\n\
+        - TAG: REQUIREMENT\n  FIELDS:\n  - TITLE: UID\n    TYPE: String\n    REQUIRED: True\n  - TITLE: STATUS\n    \
+        TYPE: SingleChoice(Draft, Approved)\n    REQUIRED: False\n  - TITLE: STATEMENT\n    TYPE: String\n    REQUIRED: True\n  \
+        - TITLE: RATIONALE\n    TYPE: MultipleChoice(Safety, Law)\n    REQUIRED: False\n\n\
+        [REQUIREMENT]\nUID: A\nSTATUS: Draft\nSTATEMENT: x\n";
+    let document = read(Format::StrictDoc, grammar).expect("a document");
+    let with = |status: &str, rationale: &str| Item {
+        status: status.into(),
+        rationale: rationale.into(),
+        ..document.items[0].item.clone()
+    };
+    let fields = || vec![Field::Status, Field::Rationale];
+    for (status, rationale) in [("Approved", "Law, Safety"), ("", "Safety"), ("Draft", "")] {
+        let item = with(status, rationale);
+        changed(&document, &[Change::Set(item.clone(), fields())]);
+        let added = Item {
+            id: "B".into(),
+            ..item
+        };
+        changed(&document, &[Change::Add(added)]);
+    }
+    for (status, rationale, said) in [
+        (
+            "approved",
+            "",
+            [
+                "its status is `approved`",
+                "STATUS be one of Draft, Approved only",
+            ],
+        ),
+        ("Draft, Approved", "", ["`Draft, Approved`", "STATUS"]),
+        (
+            "Draft",
+            "Law, Cost",
+            [
+                "its rationale is `Cost`",
+                "RATIONALE be one of Safety, Law only",
+            ],
+        ),
+    ] {
+        let item = with(status, rationale);
+        let added = Item {
+            id: "B".into(),
+            ..item.clone()
+        };
+        for (change, id) in [
+            (Change::Set(item, fields()), "`A`"),
+            (Change::Add(added), "`B`"),
+        ] {
+            let problem = document.with(&[change]).expect_err("no choice");
+            assert_eq!(problem.code, "cannot-write-requirement");
+            for said in said.iter().chain([&id]) {
+                assert!(problem.message().contains(said), "{said}: {problem}");
+            }
+        }
+    }
+}
+
+/// A table is written with what separates its columns, and a new one with what its name says.
+#[test]
+fn a_table_of_tabs_stays_one() {
+    let named = |name: &str, text: &str| {
+        let file = File {
+            name: name.into(),
+            bytes: text.as_bytes().to_vec(),
+        };
+        Document::read(Format::Csv, &[file], &Columns::default()).expect("a table")
+    };
+    let add = || [Change::Add(item("R2", "One, two", &["R1"]))];
+    for (name, text, row) in [
+        ("r.tsv", "id\ttext\tparents\n", "R2\tOne, two\tR1\n"),
+        ("R.TSV", "id\ttext\tNote, of, many\n", "R2\tOne, two\t\n"),
+        ("r.csv", "id\ttext\tparents\n", "R2\tOne, two\tR1\n"),
+        ("r.csv", "id,text,parents\n", "R2,\"One, two\",R1\n"),
+        // What has no tab is as it is, whatever its name.
+        ("r.tsv", "id;text;parents\n", "R2;One, two;R1\n"),
+    ] {
+        assert_eq!(
+            changed(&named(name, text), &add()),
+            format!("{text}{row}"),
+            "{name}"
+        );
+    }
+    for (name, separator) in [("new.tsv", "\t"), ("new.TSV", "\t"), ("new.csv", ",")] {
+        let empty = Document::empty(Format::Csv, name, "T", "").expect("a table");
+        let text = changed(&empty, &add());
+        let columns = ["id", "text", "rationale", "status", "parents"].join(separator);
+        assert!(
+            text.starts_with(&format!("{columns}\nR2{separator}")),
+            "{name}: {text}"
+        );
+        assert_eq!(named(name, &text).items[0].item.text, "One, two");
+    }
 }

@@ -206,7 +206,7 @@ fn sentences(out: &mut String, report: &ExchangeReport) {
         of(Verdict::Differs, |it| it.runs.as_ref()),
         of(Verdict::NotCompared, |it| it.runs.as_ref())
     );
-    let at_end = of(Verdict::Differs, |it| it.ends.as_ref());
+    let at_end = of(Verdict::Excuses, |it| it.ends.as_ref());
     if at_end > 0 {
         let _ = writeln!(
             out,
@@ -247,6 +247,12 @@ fn one(out: &mut String, shown: &SentenceShown) {
         drift(
             &format!("`{translated}` means something else than FRET's formula"),
             &shown.runs,
+        ),
+        drift(
+            &format!(
+                "on recordings that end, `{translated}` means something else than FRET's formula"
+            ),
+            &shown.ends,
         ),
         drift(
             "FRET's text, read as a sentence of ours as it is, means something else than FRET's formula",

@@ -44,6 +44,8 @@ pub enum Verdict {
     Same,
     /// A word tells them apart.
     Differs,
+    /// On runs that end, FRET excuses what could still come; no word told them apart in anything else.
+    Excuses,
     /// They were not compared.
     NotCompared,
 }
@@ -57,7 +59,7 @@ pub struct ComparisonShown {
     pub words: usize,
     /// Up to this length, all were.
     pub all_up_to: usize,
-    /// A word that tells them apart, or why they were not compared.
+    /// A word that tells them apart or is excused, or why they were not compared.
     pub reason: Option<String>,
 }
 
@@ -77,6 +79,15 @@ impl ComparisonShown {
                 reason: None,
             },
             Comparison::Differs(trace) => of(Verdict::Differs, trace.to_string()),
+            Comparison::Excuses {
+                trace,
+                words,
+                all_up_to,
+            } => Self {
+                words: *words,
+                all_up_to: *all_up_to,
+                ..of(Verdict::Excuses, trace.to_string())
+            },
             Comparison::NotCompared(reason) => of(Verdict::NotCompared, reason.clone()),
         }
     }
@@ -147,6 +158,48 @@ fn of_item(study: &Study, placed: &Placed) -> SentenceShown {
         own: own.map(|it| it.text.clone()),
         own_runs: own_runs.as_ref().map(shown),
     }
+}
+
+/// Which of the requirements that a document of FRET's has after an export have a sentence in the study that their text does not
+/// say: FRET reads the text, and makes its formulas of it. `text` gives the text of a requirement that is written.
+pub(super) fn of_texts(
+    study: &Study,
+    document: &Document,
+    sentences: &[SentenceShown],
+    text: impl Fn(&str) -> Option<String>,
+) -> Vec<String> {
+    if document.format != Format::Fret {
+        return Vec::new();
+    }
+    let note = |form: &study::SubjectForm| {
+        let id = form.subject.id();
+        let own = form.sentence.as_ref()?;
+        let written = text(id);
+        let known = sentences.iter().find(|it| it.id == id);
+        let is_said = known
+            .and_then(|it| it.own_runs.as_ref())
+            .is_some_and(|it| it.verdict == Verdict::Differs);
+        // Of a text that stays, FRET's formulas have told it already.
+        if written.is_none() && (is_said || known.is_none()) {
+            return None;
+        }
+        let is_new = written.is_some();
+        let text = written.or_else(|| document.item(id).map(|it| it.item.text.clone()))?;
+        // What is no sentence of FRET's is a text for people.
+        let read = fret::translated(&text).ok()?;
+        let why = match fret::compare_with_text(&own.tree, &read, study.about.model.step_secs()) {
+            Comparison::Differs(trace) => trace.to_string(),
+            Comparison::NotCompared(reason) => reason,
+            Comparison::Same { .. } | Comparison::Excuses { .. } => return None,
+        };
+        let is = if is_new { "is exported with" } else { "has" };
+        Some(format!(
+            "{id}: the study's sentence `{}` does not say what its text says, of which FRET makes its formulas ({why}): it {is} the              text `{}`. Change the text, too, and export it again.",
+            own.text,
+            diagnostic::shortened(&text)
+        ))
+    };
+    study.forms.subjects.iter().filter_map(note).collect()
 }
 
 /// The names of a sentence that the vocabulary does not have.

@@ -5,7 +5,7 @@
 
 use super::merge::{Direction, Merged};
 use diagnostic::Problem;
-use host::files::{read_source, write_whole};
+use host::files::{read_source, write_text};
 use requirement_files::{Columns, Document, Field};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -97,7 +97,8 @@ impl Record {
     }
 
     pub(super) fn write(&self, folder: &Path) -> Result<(), Problem> {
-        write_whole(&folder.join(RECORD), self.text().as_bytes())
+        let path = folder.join(RECORD);
+        write_text(&path, &self.text(), &path)
     }
 
     fn text(&self) -> String {

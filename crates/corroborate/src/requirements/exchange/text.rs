@@ -3,7 +3,7 @@
 use super::drift::SentenceShown;
 use super::merge::Merged;
 use diagnostic::{Problem, Source};
-use host::files::write_whole;
+use host::files::{with_line_ends_of, write_whole};
 use requirement_files::{Document, Field, Item};
 use std::ops::Range;
 use study::Study;
@@ -47,6 +47,7 @@ pub(super) fn edited(
         let sentence = sentences.iter().find(|it| it.id == item.id);
         append(&mut text, item, sentence, with_sentences);
     }
+    let text = with_line_ends_of(&text, &source.text).into_owned();
     hold_against(&text, document, merged)?;
     Ok(Some(text))
 }
@@ -207,7 +208,8 @@ fn hold_against(text: &str, document: &Document, merged: &Merged) -> Result<(), 
             let all = all.iter().filter_map(toml::Value::as_str);
             all.collect::<Vec<_>>().join(", ")
         }
-        Some(value) => value.as_str().unwrap_or_default().to_owned(),
+        // Where lines of the file end with CR LF, those of a value do.
+        Some(value) => value.as_str().unwrap_or_default().replace("\r\n", "\n"),
         None => String::new(),
     };
     let changed = merged.fields_by_id().into_iter();
