@@ -194,7 +194,7 @@ pub(super) fn of_texts(
         };
         let is = if is_new { "is exported with" } else { "has" };
         Some(format!(
-            "{id}: the study's sentence `{}` does not say what its text says, of which FRET makes its formulas ({why}): it {is} the              text `{}`. Change the text, too, and export it again.",
+            "{id}: the study's sentence `{}` does not say what its text says, of which FRET makes its formulas ({why}): it {is} the text `{}`. Change the text, too, and export it again.",
             own.text,
             diagnostic::shortened(&text)
         ))
