@@ -461,6 +461,7 @@ pub fn model_proposal(
     )];
     notes.extend(remains(&change, &changed));
     notes.extend(changed.notes.iter().cloned());
+    notes.extend(alone(&change, &tried));
     notes.extend(hides(result, &change, before, changed.at_last()));
     let is_harmful = tried.is_harmful();
     // A number that makes a requirement agree is the model's error only if the model is the likeliest to be wrong, and the
@@ -587,6 +588,24 @@ fn reason(change: &ModelChange, [rate, after]: [Option<f64>; 2], counts: &Counts
             counts.words()
         ),
     }
+}
+
+/// That nothing but the rate to which a number is fitted speaks for it.
+fn alone(change: &ModelChange, tried: &Trial) -> Option<String> {
+    let ModelChange::Solve { subject, .. } = change else {
+        return None;
+    };
+    let is_checked = tried.repairs.iter().any(|it| it.subject != *subject);
+    (!is_checked && !tried.repairs.is_empty()).then(|| {
+        format!(
+            "Nothing but the rate of {} speaks for this number, and one number can be made to give one rate whatever is wrong: look at \
+             the guards and branches that bear on it first.",
+            match subject {
+                Subject::FailureMode(id) => id.replace('_', " "),
+                subject @ Subject::Requirement(_) => subject.in_words(),
+            }
+        )
+    })
 }
 
 /// What a change of a rate does not yet fix.

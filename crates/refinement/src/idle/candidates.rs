@@ -201,7 +201,10 @@ pub(super) fn asked_in_vain(read: &Read<'_>) -> Vec<Lacking> {
             it.variable.text == name && draws::value_of(&it.value, None, &read.model).is_none()
         })
     };
-    let asked = of_guards(read).into_iter();
+    // What holds at the beginning is not read off a predicate.
+    let asked = of_guards(read)
+        .into_iter()
+        .filter(|_| read.tree.init.is_none());
     asked.filter(|it| !is_computed(&it.variable)).collect()
 }
 
