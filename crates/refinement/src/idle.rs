@@ -12,6 +12,10 @@
 //! * a variable that stands nowhere else: it counts how often something is tried again. Of one command one update leads, as often as
 //!   its range allows, to where another update of the module leads.
 //!
+//! Where none of these explains what disagrees, an update is tried that does what another one of its module does, gives a variable a
+//! value that another one gives it, or leaves an assignment out: nothing in the text says so, so that it has to explain more than the
+//! number of such changes makes likely by chance.
+//!
 //! Each such change is solved and tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts. No
 //! number is fitted: the text says it.
 //!
@@ -37,7 +41,7 @@ use crate::model_change::{
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
 use crate::structure::{Explaining, Tried};
-use candidates::{asked_in_vain, changes, declared, limits};
+use candidates::{asked_in_vain, changes, declared, limits, redirected};
 use evidence::Subject;
 use prism_lang::ast::Command;
 use prism_lang::edit::{self, Edit};
@@ -81,6 +85,15 @@ pub enum Idle {
         /// What the update does then.
         to: String,
     },
+    /// What an update does, as other updates of its module do it.
+    Elsewhere {
+        /// The command, counted from 0 over all modules.
+        command: usize,
+        /// Its update, counted from 0.
+        update: usize,
+        /// What the update does then.
+        to: String,
+    },
     /// Another outcome of an update, as often as a variable's range allows.
     Again {
         /// The command, counted from 0 over all modules.
@@ -117,6 +130,7 @@ impl Idle {
         match self {
             Self::Limit { variable, old, .. } => format!("{old} of {variable}"),
             Self::Begin { variable, .. } => format!("init of {variable}"),
+            Self::Elsewhere { to, .. } => format!("an update to {to}"),
             Self::Again { variable, .. } => format!("a command that counts {variable}"),
             Self::Outcome { asked, .. } => format!("an update to {asked}"),
         }
@@ -132,6 +146,7 @@ impl Idle {
             Self::Begin { variable, new } => {
                 format!("`{variable}` may be {new}, and never is")
             }
+            Self::Elsewhere { .. } => "one update leads elsewhere".to_owned(),
             Self::Again { variable, .. } => {
                 format!("`{variable}` is declared, and nothing uses it")
             }
@@ -157,7 +172,9 @@ impl Idle {
                     "`{to}` as what an update of line {line} does, as often as `{variable}` counts"
                 )
             }
-            Self::Outcome { to, .. } => format!("`{to}` as what an update of line {line} does"),
+            Self::Outcome { to, .. } | Self::Elsewhere { to, .. } => {
+                format!("`{to}` as what an update of line {line} does")
+            }
         }
     }
 
@@ -187,6 +204,11 @@ impl Idle {
                 update,
                 to,
                 ..
+            }
+            | Self::Elsewhere {
+                command,
+                update,
+                to,
             } => {
                 let all = commands(&read.tree);
                 let command = all.get(*command).ok_or("the model has no such command")?;
@@ -281,10 +303,8 @@ impl Ground<'_> {
         }
         let affordable = MOST_WORK / model.states.unwrap_or(1).max(1);
         let most = MOST_CHANGES.min(usize::try_from(affordable).unwrap_or(MOST_CHANGES));
-        let tried = changes(&read)
-            .into_iter()
-            .take(most)
-            .filter_map(|(kind, change)| {
+        let tried = |all: Vec<(u8, Idle)>| -> Vec<Tried<(Idle, String)>> {
+            let made = all.into_iter().take(most).filter_map(|(kind, change)| {
                 let text = change.make(&read).ok()?;
                 let values = model.solver.values(&text).ok()?;
                 Some(Tried {
@@ -293,8 +313,15 @@ impl Ground<'_> {
                     values,
                 })
             });
+            made.collect()
+        };
         // That the text says the value speaks for it, whatever the number of places.
-        let explaining = self.explaining_above(f64::NEG_INFINITY, own, before, tried.collect());
+        let said = tried(changes(&read));
+        let mut explaining = self.explaining_above(f64::NEG_INFINITY, own, before, said);
+        if explaining.is_empty() {
+            let all = redirected(&read).into_iter().map(|it| (0, it)).collect();
+            explaining = self.explaining(own, before, tried(all));
+        }
         let Some(best) = explaining.iter().map(|it| it.weight).max_by(f64::total_cmp) else {
             return;
         };

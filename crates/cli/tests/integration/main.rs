@@ -43,6 +43,7 @@ mod one_person;
 mod persistent_command;
 mod planted_clauses;
 mod planted_forms;
+mod planted_idle;
 mod planted_lacking;
 mod planted_numbers;
 mod planted_places;

@@ -276,16 +276,19 @@ impl Offered {
     }
 
     /// Puts what does no harm before what does, and of these what is for the first suspects first; but a search for a number behind
-    /// what explains all that it is for with a value that is known.
+    /// what explains all that it is for with a value that is known, and what mends nothing behind what does.
     pub(super) fn in_order(&mut self, suspects: &[Suspect]) {
         let offered: Vec<u32> = self.proposals.iter().filter_map(|it| it.suspect).collect();
         let edits = suspects
             .iter()
             .filter(|it| it.is_open() && offered.contains(&it.rank));
-        let edits: Vec<&Suspect> = edits
-            .filter(|it| {
-                let mut all = it.symptoms.iter();
-                all.any(|symptom| matches!(symptom, Symptom::EditExplains { .. }))
+        let explained: Vec<&Subject> = edits
+            .flat_map(|it| &it.symptoms)
+            .filter_map(|symptom| match symptom {
+                Symptom::EditExplains { subject, share, .. } if *share >= LEAST_SHARE => {
+                    Some(subject)
+                }
+                _ => None,
             })
             .collect();
         let is_late = |it: &Proposal| {
@@ -295,14 +298,15 @@ impl Offered {
                 .iter()
                 .map(|touch| &touch.subject)
                 .peekable();
-            let is_explained =
-                |subject: &Subject| edits.iter().any(|edit| edit.subjects.contains(subject));
             let is_search = matches!(it.change, Change::FitCommand(_) | Change::Recalibrate(_));
-            is_search && subjects.peek().is_some() && subjects.all(is_explained)
+            is_search && subjects.peek().is_some() && subjects.all(|it| explained.contains(&it))
+        };
+        let is_vain = |it: &Proposal| {
+            matches!(it.change, Change::Model { .. }) && it.tried.repairs.is_empty()
         };
         self.proposals.sort_by_cached_key(|it| {
             let suspect = it.suspect.unwrap_or(u32::MAX);
-            (it.tried.is_harmful(), is_late(it), suspect)
+            (it.tried.is_harmful(), is_late(it) || is_vain(it), suspect)
         });
         for (number, proposal) in (1..).zip(&mut self.proposals) {
             proposal.number = number;

@@ -6,8 +6,9 @@ use crate::model_change::Read;
 use crate::number::commands;
 use crate::unreached::{Lacking, of_guards};
 use crate::unused::is_used;
-use prism_lang::ast::{BinaryOp, Expr, ExprKind, ModuleBody, Variable, VariableRange};
+use prism_lang::ast::{Assignment, BinaryOp, Expr, ExprKind, ModuleBody, Variable, VariableRange};
 use prism_lang::edit;
+use std::collections::BTreeSet;
 
 /// All changes with their kinds.
 pub(super) fn changes(read: &Read<'_>) -> Vec<(u8, Idle)> {
@@ -208,6 +209,19 @@ pub(super) fn asked_in_vain(read: &Read<'_>) -> Vec<Lacking> {
     asked.filter(|it| !is_computed(&it.variable)).collect()
 }
 
+/// A step towards what a guard asks for, where that is more than one step from the beginning.
+fn counted(read: &Read<'_>, asked: &Lacking) -> Option<String> {
+    let mut variables = read.model.variables.iter();
+    let init = variables.find(|it| it.name == asked.variable)?.init;
+    let parsed = prism_lang::parse_properties(&asked.value);
+    let wanted = draws::value_of(&parsed.tree.properties.first()?.formula, None, &read.model)?;
+    match wanted - init {
+        2.. => Some(format!("{}+1", asked.variable)),
+        ..=-2 => Some(format!("{}-1", asked.variable)),
+        _ => None,
+    }
+}
+
 /// The updates of the module that owns what a guard asks for, which lead there in place of what they do, or with it.
 fn outcomes(read: &Read<'_>) -> Vec<Idle> {
     let lacking = asked_in_vain(read);
@@ -224,11 +238,15 @@ fn outcomes(read: &Read<'_>) -> Vec<Idle> {
         };
         let is_own = |name: &str| variables.iter().any(|own| own.name.text == name);
         for asked in lacking.iter().filter(|it| is_own(&it.variable)) {
-            let alone = format!("({}'={})", asked.variable, asked.value);
+            let values = [Some(asked.value.clone()), counted(read, asked)];
             for (place, command) in own.iter().enumerate() {
                 for (number, update) in command.updates.iter().enumerate() {
-                    let with = edit::with_value(read.text, update, &asked.variable, &asked.value);
-                    let mut all = vec![alone.clone(), with];
+                    let all = values.iter().flatten().flat_map(|value| {
+                        let alone = format!("({}'={value})", asked.variable);
+                        let with = edit::with_value(read.text, update, &asked.variable, value);
+                        [alone, with]
+                    });
+                    let mut all: Vec<String> = all.collect();
                     all.dedup();
                     found.extend(all.into_iter().map(|to| Idle::Outcome {
                         command: first + place,
@@ -237,6 +255,59 @@ fn outcomes(read: &Read<'_>) -> Vec<Idle> {
                         to,
                     }));
                 }
+            }
+        }
+        first += own.len();
+    }
+    found
+}
+
+/// Updates that do what others of their module do, give a variable another of its values, or leave an assignment out.
+pub(super) fn redirected(read: &Read<'_>) -> Vec<Idle> {
+    let mut found = Vec::new();
+    let mut first = 0;
+    for module in &read.tree.modules {
+        let ModuleBody::Written { commands: own, .. } = &module.body else {
+            continue;
+        };
+        let updates = || own.iter().flat_map(|it| &it.updates);
+        let outcomes: BTreeSet<String> = updates().map(|it| edit::outcome(read.text, it)).collect();
+        let written = |it: &Assignment| {
+            let value = it.value.span;
+            (
+                it.variable.text.clone(),
+                read.text[value.start..value.end].to_owned(),
+            )
+        };
+        let values: BTreeSet<(String, String)> = updates()
+            .flat_map(|it| &it.assignments)
+            .map(written)
+            .collect();
+        for (place, command) in own.iter().enumerate() {
+            for (number, update) in command.updates.iter().enumerate() {
+                let now = edit::outcome(read.text, update);
+                let with = values
+                    .iter()
+                    .map(|(name, value)| edit::with_value(read.text, update, name, value));
+                let without = (0..update.assignments.len()).map(|gone| {
+                    let kept = update
+                        .assignments
+                        .iter()
+                        .enumerate()
+                        .filter(|(at, _)| *at != gone);
+                    let kept: Vec<String> = kept
+                        .map(|(_, it)| written(it))
+                        .map(|(name, value)| format!("({name}'={value})"))
+                        .collect();
+                    kept.join(" & ")
+                });
+                let all = with.chain(outcomes.iter().cloned()).chain(without);
+                let all: BTreeSet<String> = all.filter(|to| *to != now && !to.is_empty()).collect();
+                found.extend(all.into_iter().map(|to| Idle::Elsewhere {
+                    command: first + place,
+                    update: number,
+                    to,
+                }));
             }
         }
         first += own.len();

@@ -8,6 +8,7 @@ use crate::counts::Counts;
 use crate::number::{Number, numbers};
 use crate::solve::{self, Scale};
 use evidence::Subject;
+use prism_lang::resolved::ModelType;
 
 /// The most that the log-odds of a constant are changed: a factor of about 160 000.
 pub(crate) const FARTHEST: f64 = 12.0;
@@ -51,6 +52,7 @@ pub(crate) fn rate_or_solve(
     if set.as_ref().is_ok_and(near) {
         return set.map(|changed| (of_rate(), changed));
     }
+    let set = set.and_then(|changed| moves(text, solver, &mode, changed));
     let distance = |value: f64| {
         let now = deciding_constant(text, &occurs).map_or(value, |(_, now)| now);
         Scale::Odds.distance(value, now)
@@ -77,6 +79,34 @@ pub(crate) fn rate_or_solve(
     match best(options) {
         Some(made) => Ok(with_interval(text, solver, made)),
         None => set.map(|changed| (of_rate(), changed)),
+    }
+}
+
+/// A change whose constant bears on the rate, and is a probability: a share of runs is not how often something comes in a unit of
+/// time, and where nothing leads to the draw its probability is not what is wrong.
+fn moves(
+    text: &str,
+    solver: &dyn Solver,
+    mode: &str,
+    changed: Changed,
+) -> Result<Changed, Refusal> {
+    let read = Read::new(text)?;
+    if read.model.model_type == ModelType::Ctmc {
+        return Err("the counted share cannot be a rate in continuous time".into());
+    }
+    let (was, is) = (
+        rate_of(&solver.values(text)?, mode),
+        rate_of(&changed.values, mode),
+    );
+    let is_moved = match (was, is) {
+        (Some(was), Some(is)) => (was - is).abs() > SAME * was.abs().max(is.abs()),
+        (was, is) => was.is_some() != is.is_some(),
+    };
+    match is_moved {
+        true => Ok(changed),
+        false => Err(
+            "its rate stays as it is with the counted share: what leads there is not taken".into(),
+        ),
     }
 }
 
@@ -113,7 +143,12 @@ fn solved_options(
     left: &dyn Fn(&Values) -> f64,
 ) -> Result<Vec<Candidate>, Refusal> {
     let read = Read::new(text)?;
-    let (names, is_any) = match deciding(&read, occurs)? {
+    let found = match read.equalities(occurs) {
+        // What decides it is not read off the text: whatever moves it may.
+        Err(_) => Ok(Deciding::Certain),
+        Ok(_) => deciding(&read, occurs),
+    };
+    let (names, is_any) = match found? {
         Deciding::Constant(name) => (constants(vec![name]), false),
         // Its chance is written into a command.
         Deciding::Expression(names) if names.is_empty() => (numbers(&read), true),

@@ -20,7 +20,7 @@
 //! | a signal in a `trace` binding is another | a signal of topics.toml that no proposition reads, and that the same can be said of |
 //! | the field that a signal is read `from` is another | a field of the recordings that no signal is read from, above all one that is called as the signal is |
 //! | a proposition in a sentence is another | the requirement's text has its name, or nothing else reads it |
-//! | a hand-written `property`, or what a `monitor` waits for, names another proposition | the proposition that the other forms of the same requirement name |
+//! | a hand-written `property` or `formula`, or what a `monitor` waits for, names another proposition | the proposition that the other forms of the same requirement name |
 //! | a limit `within_secs`, or one in a hand-written `property` | a duration in the requirement's own text or sentence, or the limit of its other form, or a slip by a factor |
 //! | the `step` of study.toml, the `mission_time` of a fault tree | a slip by a factor, or a duration that a requirement says |
 //! | the `unit` of a signal | the unit that the field's own name ends with, or another unit of the dimension where it ends with none |
@@ -490,6 +490,7 @@ fn other_words(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
             }
         }
     }
+    found.extend(other_words_of_formula(study, form, &asked));
     if matches!(form.subject, Subject::FailureMode(_)) {
         return found;
     }
@@ -513,6 +514,36 @@ fn other_words(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
                 hint: Some(format!("the other forms of it name `{other}`")),
                 is_said: true,
             });
+        }
+    }
+    found
+}
+
+/// A word of a formula by one that the property, or the column, of the same subject names and the formula does not.
+fn other_words_of_formula(study: &Study, form: &SubjectForm, asked: &[String]) -> Vec<TextEdit> {
+    let words = &study.vocabulary.propositions;
+    let known = of_monitor(form);
+    let others: BTreeSet<&String> = asked.iter().chain(&form.experiment).collect();
+    let fits =
+        |it: &&&String| words.get(**it).is_some_and(|p| p.trace.is_some()) && !known.contains(it);
+    let text = &study.forms.source.text;
+    let mut found = Vec::new();
+    for (span, quoted) in values(text, block(text, form), "formula") {
+        for (place, word) in sentences::words_of(&quoted) {
+            if !words.contains_key(word) {
+                continue;
+            }
+            found.extend(others.iter().filter(fits).map(|other| TextEdit {
+                file: REQUIREMENTS,
+                span: span.start + place.start..span.start + place.end,
+                old: word.to_owned(),
+                new: (*other).clone(),
+                kind: SuspectKind::Monitor,
+                part: part_of(form, "monitor"),
+                reach: Reach::Runs,
+                hint: Some(format!("the other forms of it name `{other}`")),
+                is_said: true,
+            }));
         }
     }
     found

@@ -7,7 +7,8 @@
 //! * `|` for `&`, `or` for `and`, and back;
 //! * `<=` for `<`, `>=` for `>`, and back; in a `model` expression also the other way round (in a `trace` one
 //!   [`super::quantities`] does that), and `=` for `<=` and `>=`, and back;
-//! * an operand of `&` or `|` left out; in a `trace` expression also one of another proposition's put behind it by `and`, or its negation;
+//! * an operand of `&` or `|` left out; in a `trace` expression also one of another proposition's put behind it by `and`, or its negation,
+//!   where it reads something of which the proposition's meaning speaks and its own expression reads nothing;
 //! * in a `model` expression: a state of the variable that the model comes to and no proposition names, as a further case
 //!   beside `variable=value`; or `variable!=other` for it, where another proposition names `variable=other`;
 //! * in a `trace` expression that holds a signal against words, as `/robot.state == 'dropped'`: a further word that the proposition's
@@ -53,9 +54,10 @@ pub(super) fn of_vocabulary(study: &Study, disagrees: &dyn Fn(&Subject) -> bool)
             }
             let others = study.vocabulary.propositions.values();
             let others = others.filter_map(|it| Some(it.trace.as_ref()?.text.as_str()));
-            for new in further_clauses(&place.text, others) {
+            for (new, of) in further_clauses(&place.text, &proposition.meaning, others) {
+                let hint = format!("its meaning speaks of `{of}`, of which it reads nothing");
                 add(
-                    binding((name, "trace"), place, new, Reach::Runs, None),
+                    binding((name, "trace"), place, new, Reach::Runs, Some(hint)),
                     &mut found,
                 );
             }
@@ -88,31 +90,54 @@ pub(super) fn of_vocabulary(study: &Study, disagrees: &dyn Fn(&Subject) -> bool)
     found
 }
 
-/// A trace expression with one clause more: what another proposition's expression consists of, or its negation.
-fn further_clauses<'t>(text: &str, others: impl Iterator<Item = &'t str>) -> Vec<String> {
-    let mut clauses: BTreeSet<String> = BTreeSet::new();
+/// A trace expression with one clause more, and what this clause reads: what another proposition's expression consists of, or its
+/// negation, of what the meaning speaks of and the expression does not read.
+fn further_clauses<'t>(
+    text: &str,
+    meaning: &str,
+    others: impl Iterator<Item = &'t str>,
+) -> Vec<(String, String)> {
+    let spoken = meaning.split(|c: char| !c.is_alphanumeric());
+    let spoken: BTreeSet<String> = spoken.map(str::to_lowercase).collect();
+    let own = read_of(text);
+    let mut clauses: BTreeSet<(String, String)> = BTreeSet::new();
     for other in others {
         for operand in Chain::of(other, 0..other.len()).operands {
             let clause = &other[operand];
             let bare = clause.trim_start_matches("not ").trim_start_matches('!');
-            clauses.insert(bare.trim().to_owned());
+            let mut read = read_of(bare).into_iter();
+            if let Some(of) = read.find(|it| spoken.contains(it) && !own.contains(it)) {
+                clauses.insert((bare.trim().to_owned(), of));
+            }
         }
     }
-    let is_new = |clause: &&String| !clause.is_empty() && !plain(text).contains(&plain(clause));
     let is_one = Chain::of(text, 0..text.len()).operands.len() == 1;
     let own = match is_one {
         true => text.to_owned(),
         false => format!("({text})"),
     };
-    let clauses = clauses.iter().filter(is_new).take(MOST_CLAUSES);
-    let both = clauses.flat_map(|clause| {
-        let contrary = match is_signal(clause) || clause.starts_with('(') {
-            true => format!("not {clause}"),
-            false => format!("not ({clause})"),
-        };
-        [clause.clone(), contrary]
+    let both = clauses
+        .into_iter()
+        .take(MOST_CLAUSES)
+        .flat_map(|(clause, of)| {
+            let contrary = match is_signal(&clause) || clause.starts_with('(') {
+                true => format!("not {clause}"),
+                false => format!("not ({clause})"),
+            };
+            [clause, contrary].map(|clause| (format!("{own} and {clause}"), of.clone()))
+        });
+    both.collect()
+}
+
+/// Of what an expression reads signals: of `/worker.grips` it is `worker`.
+fn read_of(text: &str) -> BTreeSet<String> {
+    let signals = text.split('/').skip(1);
+    let names = signals.filter_map(|rest| {
+        let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_'));
+        let name = &rest[..end.unwrap_or(rest.len())];
+        (!name.is_empty()).then(|| name.to_lowercase())
     });
-    both.map(|clause| format!("{own} and {clause}")).collect()
+    names.collect()
 }
 
 /// Whether a clause is a signal by itself.
@@ -545,16 +570,24 @@ mod tests {
             "/gripper.open and not /worker.grips",
             "/crate.force > 40 N",
         ];
-        let found = further_clauses("/gripper.open", others.into_iter());
+        let meaning = "The gripper has opened although the worker does not hold it.";
+        let found = further_clauses("/gripper.open", meaning, others.into_iter());
         let wanted = [
-            "/gripper.open and /crate.force > 40 N",
-            "/gripper.open and not (/crate.force > 40 N)",
             "/gripper.open and /worker.grips",
             "/gripper.open and not /worker.grips",
         ];
+        assert!(found.iter().all(|(_, of)| of == "worker"));
+        let found: Vec<&str> = found.iter().map(|(text, _)| text.as_str()).collect();
         assert_eq!(found, wanted);
-        let found = further_clauses("/a or /b", ["/c"].into_iter());
-        assert_eq!(found, ["(/a or /b) and /c", "(/a or /b) and not /c"]);
+        let found = further_clauses("/a.x or /b.x", "A, B or C.", ["/c.x > 1"].into_iter());
+        let found: Vec<&str> = found.iter().map(|(text, _)| text.as_str()).collect();
+        assert_eq!(
+            found,
+            [
+                "(/a.x or /b.x) and /c.x > 1",
+                "(/a.x or /b.x) and not (/c.x > 1)"
+            ]
+        );
     }
 
     #[test]

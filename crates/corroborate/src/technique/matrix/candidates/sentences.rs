@@ -128,7 +128,7 @@ fn is_read(study: &Study, proposition: &String, own: &SubjectForm) -> bool {
 }
 
 /// The words of a text, with their places.
-fn words_of(text: &str) -> Vec<(Range<usize>, &str)> {
+pub(super) fn words_of(text: &str) -> Vec<(Range<usize>, &str)> {
     let is_end = |c: char| !(c.is_ascii_alphanumeric() || c == '_');
     let start = |word: &str| word.as_ptr() as usize - text.as_ptr() as usize;
     let words = text.split(is_end).filter(|word| !word.is_empty());

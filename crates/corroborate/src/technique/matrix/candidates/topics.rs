@@ -84,17 +84,20 @@ pub(super) fn numbers_with_units(text: &str) -> Vec<(Range<usize>, &str, &str)> 
     found
 }
 
-/// Other units of the same dimension.
+/// Other units of the same dimension, the nearest first: of those that explain as much the smaller slip is the likelier.
 pub(super) fn other_units(unit: &str) -> Vec<&'static str> {
     let parsed = |unit: &str| format!("1 {unit}").parse::<QuantityValue>().ok();
     let Some(own) = parsed(unit) else {
         return Vec::new();
     };
-    let is_other = |other: &&&str| {
-        let value = parsed(other);
-        value.is_some_and(|v| v.dimension() == own.dimension() && v.si_value() != own.si_value())
-    };
-    UNITS.iter().filter(is_other).copied().collect()
+    let others = UNITS.iter().filter_map(|other| {
+        let value = parsed(other)?;
+        let is_other = value.dimension() == own.dimension() && value.si_value() != own.si_value();
+        is_other.then(|| ((value.si_value() / own.si_value()).ln().abs(), *other))
+    });
+    let mut others: Vec<(f64, &str)> = others.collect();
+    others.sort_by(|a, b| a.0.total_cmp(&b.0));
+    others.into_iter().map(|(_, other)| other).collect()
 }
 
 /// Whether a text is another unit of the same dimension.
