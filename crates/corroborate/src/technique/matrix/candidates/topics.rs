@@ -460,7 +460,7 @@ mod tests {
             .map(|(span, ..)| &text[span])
             .collect();
         assert_eq!(found, ["0.3 m/s", "20 mm"]);
-        assert_eq!(other_units("m/s"), ["mm/s", "cm/s", "km/h"]);
+        assert_eq!(other_units("m/s"), ["km/h", "cm/s", "mm/s"]);
     }
 
     #[test]
