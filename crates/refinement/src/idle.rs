@@ -12,7 +12,7 @@
 //! * a variable that stands nowhere else: it counts how often something is tried again. Of one command one update leads, as often as
 //!   its range allows, to where another update of the module leads.
 //!
-//! Where none of these explains what disagrees, an update is tried that does what another one of its module does, gives a variable a
+//! Where neither these nor any other change leave nothing in strong disagreement, an update is tried that does what another one of its module does, gives a variable a
 //! value that another one gives it, or leaves an assignment out: nothing in the text says so, so that it has to explain more than the
 //! number of such changes makes likely by chance.
 //!
@@ -42,7 +42,7 @@ use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
 use crate::structure::{Explaining, Tried};
 use candidates::{asked_in_vain, changes, declared, limits, redirected};
-use evidence::Subject;
+use evidence::{STRONG, Subject};
 use prism_lang::ast::Command;
 use prism_lang::edit::{self, Edit};
 
@@ -318,7 +318,14 @@ impl Ground<'_> {
         // That the text says the value speaks for it, whatever the number of places.
         let said = tried(changes(&read));
         let mut explaining = self.explaining_above(f64::NEG_INFINITY, own, before, said);
-        if explaining.is_empty() {
+        let is_enough = |changed: &Changed| {
+            let trial = self.tried(&own.id, before, changed.at_last());
+            let left = self.most_disagreement(&own.id, changed.at_last());
+            !trial.is_harmful()
+                && !trial.repairs.is_empty()
+                && left.is_none_or(|(_, left)| left <= STRONG)
+        };
+        if explaining.is_empty() && !found.changes.iter().any(|(_, it)| is_enough(it)) {
             let all = redirected(&read).into_iter().map(|it| (0, it)).collect();
             explaining = self.explaining(own, before, tried(all));
         }
