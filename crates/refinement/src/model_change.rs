@@ -351,6 +351,10 @@ pub(crate) fn comes_to(text: &str, occurs: &str) -> bool {
 /// Why nothing decides it.
 pub(crate) fn is_set_to(text: &str, occurs: &str, counts: &Counts) -> Result<bool, Refusal> {
     let read = Read::new(text)?;
+    // What decides a proposition that is no conjunction of values is not read off the text.
+    if read.equalities(occurs).is_err() {
+        return Ok(false);
+    }
     if let Deciding::Expression(_) | Deciding::Certain = deciding(&read, occurs)? {
         return Ok(false);
     }

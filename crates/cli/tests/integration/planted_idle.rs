@@ -162,3 +162,33 @@ fn an_update_that_leads_elsewhere_is_named() {
     assert_eq!(line, 12, "{diff}");
     assert!(diff.contains("+  [] s=read ->"), "{diff}");
 }
+
+/// What decides a failure that is told by a comparison is not read off the text, and is solved for all the same.
+#[test]
+fn a_number_of_a_failure_that_a_comparison_tells_is_solved_for() {
+    let folder = study("sees = 0.6", "sees = 0.45");
+    let modes = "\n[[failure_mode]]\nid = \"missed\"\nname = \"First look missed\"\nmeaning = \"The first look reads nothing.\"\n\
+                 margin = 0.03\noccurs = 'P=? [ F \"again\" ]'\n";
+    let word = "\n[again]\nmeaning = \"It looks again.\"\nmodel = \"looks>0\"\n";
+    folder.write("requirements.toml", &format!("{REQUIREMENTS}{modes}"));
+    folder.write("vocabulary.toml", &format!("{VOCABULARY}{word}"));
+    let ledger = format!("{LEDGER}tables.failure_modes = \"modes.csv\"\n");
+    folder.write("ledger.toml", &ledger);
+    folder.write(
+        "modes.csv",
+        "mode,occurrences,opportunities\nmissed,400,1000\n",
+    );
+    folder.run();
+    let offered = folder.json("refine");
+    let proposals = offered["proposals"].as_array().expect("proposals");
+    let titles: Vec<&str> = proposals
+        .iter()
+        .filter_map(|it| it["title"].as_str())
+        .collect();
+    assert!(
+        titles
+            .first()
+            .is_some_and(|it| it.contains("sees set to 0.6")),
+        "{titles:?}"
+    );
+}
