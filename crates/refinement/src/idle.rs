@@ -328,6 +328,11 @@ impl Ground<'_> {
         if explaining.is_empty() && !found.changes.iter().any(|(_, it)| is_enough(it)) {
             let all = redirected(&read).into_iter().map(|it| (0, it)).collect();
             explaining = self.explaining(own, before, tried(all));
+            // Nothing in the text speaks for it, so that it has to explain all.
+            explaining.retain(|it| {
+                let left = self.most_disagreement(&own.id, &it.values);
+                left.is_none_or(|(_, left)| left <= STRONG)
+            });
         }
         let Some(best) = explaining.iter().map(|it| it.weight).max_by(f64::total_cmp) else {
             return;

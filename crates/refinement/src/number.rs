@@ -65,7 +65,8 @@ impl Number {
             Self::Constant(name) => read.constant(name)?,
             Self::Literal { digits, .. } => digits.parse().ok()?,
         };
-        let is_rate = read.model.model_type == resolved::ModelType::Ctmc;
+        let is_rate = read.model.model_type == resolved::ModelType::Ctmc
+            && !(value < 1.0 && has_complement(read.text, self.name()));
         (value > 0.0).then(|| (value, Scale::of(value, is_rate)))
     }
 
@@ -167,6 +168,25 @@ pub(crate) fn commands(tree: &Model) -> Vec<&Command> {
     written.flatten().collect()
 }
 
+/// Whether a text subtracts a name from 1: then it is a probability, in a model of rates, too.
+fn has_complement(text: &str, name: &str) -> bool {
+    let code = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or_default());
+    let code: String = code
+        .flat_map(str::chars)
+        .filter(|c| !c.is_whitespace())
+        .collect();
+    let is_part = |c: Option<char>| c.is_some_and(|c| c.is_ascii_alphanumeric() || c == '_');
+    let wanted = format!("1-{name}");
+    code.match_indices(&wanted).any(|(at, _)| {
+        let before = code[..at].chars().next_back();
+        !is_part(code[at + wanted.len()..].chars().next())
+            && !is_part(before)
+            && before != Some('.')
+    })
+}
+
 /// The probabilities of a command, if there are several and each is a decimal number.
 fn literals(command: &Command) -> Option<Vec<(String, Span)>> {
     let of = |update: &Update| {
@@ -224,6 +244,22 @@ fn shared(literals: &[(String, Span)], update: usize, value: f64) -> Vec<Edit> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_subtracted_from_1_is_a_probability_in_continuous_time_too() {
+        let model = "ctmc\nconst double rTry = 0.1;\nconst double pDock = 0.5;\nmodule m\n s : [0..2] init 0;\n\
+                     [] s=0 -> rTry*pDock : (s'=1) + rTry*(1 - pDock) : (s'=2);\nendmodule\n";
+        let read = Read::new(model).expect("a model");
+        let scale = |name: &str| Number::Constant(name.into()).value(&read).map(|it| it.1);
+        assert_eq!(
+            (scale("pDock"), scale("rTry")),
+            (Some(Scale::Odds), Some(Scale::Log))
+        );
+        assert!(!has_complement(
+            "1-pDock2 11-pDock 0.1-pDock // 1-pDock",
+            "pDock"
+        ));
+    }
 
     const MODEL: &str = "dtmc
 const double p = 0.25;
