@@ -1,7 +1,7 @@
 //! A value that a model declares or asks for, and never comes to: what leads there was written otherwise.
 //!
 //! # Definition
-//! Three things in a text say a value that the model never has:
+//! Four things in a text say a value that the model never has:
 //!
 //! * a *counter* (a variable with declared bounds that an update counts up or down) whose guards name one number and neither end of
 //!   its range: the number is written where the end was meant (`tries : [0..3]` with `tries<2`). In all comparisons of the guards
@@ -12,12 +12,12 @@
 //! * a variable that stands nowhere else: it counts how often something is tried again. Of one command one update leads, as often as
 //!   its range allows, to where another update of the module leads.
 //!
-//! Where neither these nor any other change leave nothing in strong disagreement, an update is tried that does what another one of its module does, gives a variable a
-//! value that another one gives it, or leaves an assignment out: nothing in the text says so, so that it has to explain more than the
-//! number of such changes makes likely by chance.
+//! Where each of these and of all other changes leaves something in strong disagreement, updates are redirected, one at a time: one
+//! does what another one of its module does, gives a variable a value that another one gives it, or leaves an assignment out. Nothing
+//! in the text says so, so that it has to explain all, and more than the number of such changes makes likely by chance.
 //!
 //! Each such change is solved and tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts. No
-//! number is fitted: the text says it.
+//! number is fitted.
 //!
 //! # Assumes
 //! That one place is wrong, and that what is declared was meant to be used.
