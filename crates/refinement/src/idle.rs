@@ -33,14 +33,12 @@
 
 mod candidates;
 
-use crate::counts::anchors;
+use crate::counts::Counts;
 use crate::draws;
-use crate::model_change::{
-    AS_GOOD, Alternative, Changed, ModelChange, Read, Refusal, Solver, Values,
-};
+use crate::model_change::{Changed, ModelChange, Read, Refusal, Solver, Values};
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
-use crate::structure::{Explaining, Tried};
+use crate::structure::{Rewriting, Tried};
 use candidates::{asked_in_vain, changes, declared, limits, redirected};
 use evidence::{STRONG, Subject};
 use prism_lang::ast::Command;
@@ -51,9 +49,6 @@ const MOST_CHANGES: usize = 400;
 
 /// States times solutions, at most.
 const MOST_WORK: u64 = 20_000_000;
-
-/// Those that are offered, at most.
-const MOST_OFFERS: usize = 3;
 
 /// What makes a model come to a value that it declares or asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -156,7 +151,7 @@ impl Idle {
         }
     }
 
-    fn in_words(&self, text: &str) -> String {
+    fn words(&self, text: &str) -> String {
         let line = self.line(text).unwrap_or_default();
         match self {
             Self::Limit { variable, old, new } => {
@@ -334,58 +329,34 @@ impl Ground<'_> {
                 left.is_none_or(|(_, left)| left <= STRONG)
             });
         }
-        let Some(best) = explaining.iter().map(|it| it.weight).max_by(f64::total_cmp) else {
-            return;
-        };
-        let others = found.changes.iter().map(|it| &it.1);
-        if self.heaviest(own, before, others) > best + AS_GOOD {
-            return;
+        self.put_first((model, own), before, explaining, found);
+    }
+}
+
+impl Rewriting for Idle {
+    fn in_words(&self, text: &str) -> String {
+        self.words(text)
+    }
+
+    fn line(&self, text: &str) -> Option<u32> {
+        Self::line(self, text)
+    }
+
+    fn note(&self, others: usize) -> String {
+        let hint = self.hint();
+        format!(
+            "No number was fitted for it: {hint}. {}.",
+            others_tried(others)
+        )
+    }
+
+    fn offered(self, subject: Subject, counts: Counts, tried: usize) -> ModelChange {
+        ModelChange::Idle {
+            subject,
+            change: self,
+            counts,
+            tried,
         }
-        let named: Vec<Alternative> = explaining
-            .iter()
-            .map(|it| Alternative {
-                name: it.change.0.in_words(model.text),
-                line: it.change.0.line(model.text),
-            })
-            .collect();
-        let made = explaining.into_iter().take(MOST_OFFERS).enumerate();
-        let made: Vec<(ModelChange, Changed)> = made
-            .filter_map(|(number, it)| {
-                let Explaining {
-                    change: (change, text),
-                    values,
-                    tried,
-                    subjects,
-                    ..
-                } = it;
-                let subject: Subject = subjects.into_iter().next()?;
-                let counts = anchors(self.evidence, own, &subject).into_iter().next()?;
-                let others = named.iter().enumerate().filter(|(at, _)| *at != number);
-                let changed = Changed {
-                    text,
-                    what: change.in_words(model.text),
-                    constant: None,
-                    values,
-                    notes: vec![format!(
-                        "No number was fitted for it: {}. {}.",
-                        change.hint(),
-                        others_tried(tried.saturating_sub(1))
-                    )],
-                    alternatives: others.map(|(_, it)| it.clone()).collect(),
-                    settled: None,
-                };
-                Some((
-                    ModelChange::Idle {
-                        subject,
-                        change,
-                        counts,
-                        tried,
-                    },
-                    changed,
-                ))
-            })
-            .collect();
-        found.changes.splice(0..0, made);
     }
 }
 
@@ -404,7 +375,7 @@ pub(crate) fn with(text: &str, solver: &dyn Solver, change: &Idle) -> Result<Cha
     let read = Read::new(text)?;
     let new = change.make(&read)?;
     Ok(Changed {
-        what: change.in_words(text),
+        what: change.words(text),
         values: solver.values(&new)?,
         text: new,
         constant: None,

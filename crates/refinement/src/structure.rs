@@ -31,8 +31,9 @@
 //! of hypotheses (H. Jeffreys, "Theory of Probability", 1961, section 5.04). What is offered was computed, and may still be
 //! wrong: two changes of structure that lead to values within the margins of each other cannot be told apart by them.
 
-use crate::model_change::{AS_GOOD, Changed, Values, value_of};
-use crate::model_offers::Ground;
+use crate::counts::{Counts, anchors};
+use crate::model_change::{AS_GOOD, Alternative, Changed, ModelChange, Values, value_of};
+use crate::model_offers::{Ground, Model, ModelOffers};
 use evidence::{Evidence, Measure, Outcome, Rate, STRONG, Subject, signed_strength};
 use std::collections::BTreeMap;
 
@@ -80,6 +81,21 @@ struct Balance {
     weight: f64,
     subjects: Vec<(f64, Subject)>,
 }
+
+/// A change of a model's text without a free number.
+pub(crate) trait Rewriting {
+    /// What is done, in one clause.
+    fn in_words(&self, text: &str) -> String;
+    /// The line of the text that it changes, from 1.
+    fn line(&self, text: &str) -> Option<u32>;
+    /// Why no number was fitted, and how many others were tried that move a value.
+    fn note(&self, others: usize) -> String;
+    /// The change as it is offered for a subject, whose counts it explains.
+    fn offered(self, subject: Subject, counts: Counts, tried: usize) -> ModelChange;
+}
+
+/// Changes of a kind that are offered, at most.
+const MOST_OFFERS: usize = 3;
 
 impl Ground<'_> {
     /// The subjects on which a computed piece disagrees strongly with counts, by what it answers now; without those that its
@@ -299,5 +315,48 @@ impl Ground<'_> {
         found.retain(|(_, it)| it.weight >= best - AS_GOOD);
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         found.into_iter().map(|(_, it)| it).collect()
+    }
+
+    /// Puts what explains what disagrees before the other changes of a model, each with those that it is not told apart from, where
+    /// nothing weighs more.
+    pub(crate) fn put_first<R: Rewriting>(
+        &self,
+        (model, own): (&Model<'_>, &Evidence),
+        before: &Values,
+        explaining: Vec<Explaining<(R, String)>>,
+        found: &mut ModelOffers,
+    ) {
+        let best = explaining.iter().map(|it| it.weight);
+        let Some(best) = best.max_by(f64::total_cmp) else {
+            return;
+        };
+        let others = found.changes.iter().map(|it| &it.1);
+        if self.heaviest(own, before, others) > best + AS_GOOD {
+            return;
+        }
+        let named = explaining.iter().map(|it| Alternative {
+            name: it.change.0.in_words(model.text),
+            line: it.change.0.line(model.text),
+        });
+        let named: Vec<Alternative> = named.collect();
+        let made = explaining.into_iter().take(MOST_OFFERS).enumerate();
+        let made = made.filter_map(|(number, it)| {
+            let (change, text) = it.change;
+            let subject: Subject = it.subjects.into_iter().next()?;
+            let counts = anchors(self.evidence, own, &subject).into_iter().next()?;
+            let others = named.iter().enumerate().filter(|(at, _)| *at != number);
+            let changed = Changed {
+                text,
+                what: change.in_words(model.text),
+                constant: None,
+                values: it.values,
+                notes: vec![change.note(it.tried.saturating_sub(1))],
+                alternatives: others.map(|(_, it)| it.clone()).collect(),
+                settled: None,
+            };
+            Some((change.offered(subject, counts, it.tried), changed))
+        });
+        let made: Vec<(ModelChange, Changed)> = made.collect();
+        found.changes.splice(0..0, made);
     }
 }

@@ -16,13 +16,11 @@
 //! One solution for each; at most [`MOST_SPLITS`] in all, of a large model fewer, so that states times solutions stay below
 //! [`MOST_WORK`].
 
-use crate::counts::anchors;
-use crate::model_change::{
-    AS_GOOD, Alternative, Changed, ModelChange, Read, Refusal, Solver, Values,
-};
+use crate::counts::Counts;
+use crate::model_change::{Changed, ModelChange, Read, Refusal, Solver, Values};
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
-use crate::structure::{Explaining, Tried};
+use crate::structure::{Rewriting, Tried};
 use crate::unreached::{Lacking, Place, lacking, of_guards};
 use evidence::Subject;
 use prism_lang::ast::{Command, ModuleBody};
@@ -34,9 +32,6 @@ const MOST_SPLITS: usize = 400;
 
 /// States times solutions, at most.
 const MOST_WORK: u64 = 20_000_000;
-
-/// Those that are offered, at most.
-const MOST_OFFERS: usize = 3;
 
 /// An update that is divided by a constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,7 +87,7 @@ impl Split {
         edit::apply(read.text, &[edit] as &[Edit]).map_err(|e| e.to_string())
     }
 
-    fn in_words(&self, text: &str) -> String {
+    fn words(&self, text: &str) -> String {
         let line = self.line(text).unwrap_or_default();
         format!(
             "`{}` added in line {line}, for which `{}` was written",
@@ -137,56 +132,34 @@ impl Ground<'_> {
         });
         // That nothing uses the constant speaks for it, whatever the number of places.
         let explaining = self.explaining_above(f64::NEG_INFINITY, own, before, tried.collect());
-        let Some(best) = explaining.iter().map(|it| it.weight).max_by(f64::total_cmp) else {
-            return;
-        };
-        let others = found.changes.iter().map(|it| &it.1);
-        if self.heaviest(own, before, others) > best + AS_GOOD {
-            return;
+        self.put_first((model, own), before, explaining, found);
+    }
+}
+
+impl Rewriting for Split {
+    fn in_words(&self, text: &str) -> String {
+        self.words(text)
+    }
+
+    fn line(&self, text: &str) -> Option<u32> {
+        Self::line(self, text)
+    }
+
+    fn note(&self, others: usize) -> String {
+        format!(
+            "No number was fitted for it: nothing else of the model uses `{}`. {others} other places were tried that change what is \
+             answered.",
+            self.constant
+        )
+    }
+
+    fn offered(self, subject: Subject, counts: Counts, tried: usize) -> ModelChange {
+        ModelChange::Split {
+            subject,
+            split: self,
+            counts,
+            tried,
         }
-        let named: Vec<Alternative> = explaining
-            .iter()
-            .map(|it| Alternative {
-                name: it.change.0.in_words(model.text),
-                line: it.change.0.line(model.text),
-            })
-            .collect();
-        let made = explaining.into_iter().take(MOST_OFFERS).enumerate();
-        let made = made.filter_map(|(number, it)| {
-            let Explaining {
-                change: (split, text),
-                values,
-                tried,
-                subjects,
-                ..
-            } = it;
-            let subject: Subject = subjects.into_iter().next()?;
-            let counts = anchors(self.evidence, own, &subject).into_iter().next()?;
-            let others = named.iter().enumerate().filter(|(at, _)| *at != number);
-            let changed = Changed {
-                text,
-                what: split.in_words(model.text),
-                constant: None,
-                values,
-                notes: vec![format!(
-                    "No number was fitted for it: nothing else of the model uses `{}`. {} other places were tried that change what is \
-                     answered.",
-                    split.constant,
-                    tried.saturating_sub(1)
-                )],
-                alternatives: others.map(|(_, it)| it.clone()).collect(),
-                settled: None,
-            };
-            let change = ModelChange::Split {
-                subject,
-                split,
-                counts,
-                tried,
-            };
-            Some((change, changed))
-        });
-        let made: Vec<(ModelChange, Changed)> = made.collect();
-        found.changes.splice(0..0, made);
     }
 }
 
@@ -195,7 +168,7 @@ pub(crate) fn with(text: &str, solver: &dyn Solver, split: &Split) -> Result<Cha
     let read = Read::new(text)?;
     let new = split.make(&read)?;
     Ok(Changed {
-        what: split.in_words(text),
+        what: split.words(text),
         values: solver.values(&new)?,
         text: new,
         constant: None,

@@ -71,7 +71,7 @@ def counts(value: Any, name: str) -> tuple[int, int]:
 
 
 def several(value: Any, name: str, wanted: str, remedy: str) -> list[Any]:
-    """What can be gone through, but not a text, whose letters nobody means."""
+    """What can be gone through; a text cannot, since its letters are not what is meant."""
     if isinstance(value, Iterable) and not isinstance(value, (str, bytes)):
         return list(value)
     raise _wrong(value, name, f"a list of {wanted}", remedy)
