@@ -29,7 +29,7 @@ pub use check::{Check, CheckFormat, Termination};
 pub use decide::Decide;
 pub use diagnose::Diagnose;
 pub use diff::{Diff, DiffFormat, Written};
-pub use engines::{EngineChoice, Engines};
+pub use engines::Engines;
 pub use explore::Explore;
 pub use format::FormatFiles;
 pub use language_server::LanguageServer;

@@ -54,7 +54,7 @@ impl EnginesRequest {
     }
 }
 
-/// Runs the same episodes (test, seeds, controllers) in MuJoCo and in Rapier, or as two entries of the ledger have them, and
+/// Runs the same episodes (test, seeds, controllers) in the engine that the entry says and in the other one, MuJoCo and Rapier, or as two entries of the ledger have them, and
 /// compares recordings and verdicts; or runs each episode again, and saves it in its middle and continues it, and compares the
 /// hashes. Of two entries both have the seeds of the first.
 ///
@@ -113,7 +113,7 @@ fn in_engines(
             "name an entry of the ledger with a scene, or a second entry to run it against (`--against`)",
         ));
     }
-    let second = match rigs::in_second_engine(study, entry, host) {
+    let second = match rigs::in_other_engine(study, entry, host) {
         Err(problem) if determinism && problem.code == "one-engine" => None,
         second => Some(second?),
     };

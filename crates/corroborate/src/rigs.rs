@@ -5,7 +5,7 @@ use diagnostic::{Problem, Source};
 use host::Host;
 use rig::{CommandRig, HandoverRig, HandoverTexts, Rig, ScenePhysics, SceneRig};
 use std::path::Path;
-use study::{Entry, Simulated, Study};
+use study::{Entry, SceneEngine, Simulated, Study};
 
 /// How a text of the study is read.
 pub type Read<'a> = dyn Fn(&Path) -> Result<Source, Problem> + 'a;
@@ -24,8 +24,8 @@ pub struct Opening<'a> {
     pub read: Option<&'a Read<'a>>,
     /// The path of a file that is not read, and the text that stands in for it.
     pub instead: Option<(&'a Path, &'a Source)>,
-    /// The entry of the ledger that is to be run in the second engine, if one is.
-    pub in_second_engine: Option<&'a Entry>,
+    /// The entry of the ledger that is run in another engine than it says, and which.
+    pub in_engine: Option<(&'a Entry, SceneEngine)>,
     /// Whether any engine will do, as nothing is run that depends on it: where the physics library is not there, what can be
     /// is opened in the engine that is built in.
     pub any_engine: bool,
@@ -41,7 +41,7 @@ impl<'a> Opening<'a> {
             joined: None,
             read: None,
             instead: None,
-            in_second_engine: None,
+            in_engine: None,
             any_engine: false,
         }
     }
@@ -50,14 +50,14 @@ impl<'a> Opening<'a> {
     ///
     /// # Errors
     /// What its files say wrong; `no-physics-library` if it needs the library and that cannot be loaded; `one-engine` of
-    /// what the second engine cannot run.
+    /// what is asked for in an engine that cannot run it.
     pub fn open(&self, simulated: Simulated<'_>) -> Result<Box<dyn Rig>, Problem> {
         Ok(match simulated {
             Simulated::Handover {
                 scenario,
                 parameters,
             } => {
-                self.only_in_first_engine()?;
+                self.only_in_its_engine()?;
                 let texts = HandoverTexts {
                     scenario: &self.text(scenario)?,
                     parameters: &self.text(parameters)?,
@@ -66,19 +66,29 @@ impl<'a> Opening<'a> {
                 let engine = || load_engine(self.host);
                 Box::new(HandoverRig::new(&texts, self.test, &engine)?)
             }
-            Simulated::Scene { scene, test } => {
+            Simulated::Scene {
+                scene,
+                test,
+                engine,
+            } => {
                 let source = self.text(scene)?;
-                let is_built_in = self.any_engine && self.host.physics_library.is_none();
-                let physics = match self.in_second_engine.is_some() || is_built_in {
-                    true => ScenePhysics::rapier(),
-                    false => ScenePhysics::mujoco(&load_engine(self.host)?),
+                let engine = match self.in_engine {
+                    _ if self.any_engine && self.host.physics_library.is_none() => {
+                        SceneEngine::Rapier
+                    }
+                    Some((_, engine)) => engine,
+                    None => engine,
+                };
+                let physics = match engine {
+                    SceneEngine::Rapier => ScenePhysics::rapier(),
+                    SceneEngine::Mujoco => ScenePhysics::mujoco(&load_engine(self.host)?),
                 };
                 let test = self.test.or(test);
                 let test = (test, physics);
                 Box::new(SceneRig::new(self.study, scene, &source, test, self.host)?)
             }
             Simulated::Command(command) => {
-                self.only_in_first_engine()?;
+                self.only_in_its_engine()?;
                 let stimulus = match (&command.stimulus, self.instead) {
                     (Some(path), Some((replaced, text))) if path == replaced => Some(text),
                     _ => None,
@@ -92,9 +102,9 @@ impl<'a> Opening<'a> {
         })
     }
 
-    fn only_in_first_engine(&self) -> Result<(), Problem> {
-        match self.in_second_engine {
-            Some(entry) => Err(one_engine(entry)),
+    fn only_in_its_engine(&self) -> Result<(), Problem> {
+        match self.in_engine {
+            Some((entry, _)) => Err(one_engine(entry)),
             None => Ok(()),
         }
     }
@@ -108,19 +118,23 @@ impl<'a> Opening<'a> {
     }
 }
 
-/// What files simulate that are named apart from the ledger: a scenario with its parameters, or a scene; `None` of any other
-/// choice of them.
+/// What files simulate that are named apart from the ledger: a scenario with its parameters, or a scene with its engine; `None` of
+/// any other choice of them.
 pub fn of_files<'p>(
     scenario: Option<&'p Path>,
     parameters: Option<&'p Path>,
-    scene: Option<&'p Path>,
+    scene: Option<(&'p Path, SceneEngine)>,
 ) -> Option<Simulated<'p>> {
     match (scenario, parameters, scene) {
         (Some(scenario), Some(parameters), None) => Some(Simulated::Handover {
             scenario,
             parameters,
         }),
-        (None, None, Some(scene)) => Some(Simulated::Scene { scene, test: None }),
+        (None, None, Some((scene, engine))) => Some(Simulated::Scene {
+            scene,
+            test: None,
+            engine,
+        }),
         _ => None,
     }
 }
@@ -133,23 +147,36 @@ pub fn of_entry(study: &Study, entry: &Entry, host: &Host) -> Result<Box<dyn Rig
     Opening::new(study, host).open(simulated(entry)?)
 }
 
-/// The rig of a ledger's entry in the second engine.
+/// The rig of a ledger's entry in this engine, whichever the entry says; with its engine, what is no scene is run, too.
 ///
 /// # Errors
 /// `not-a-simulation`, `one-engine`, and what its files say wrong.
-pub fn in_second_engine(
+pub fn in_engine(
+    study: &Study,
+    entry: &Entry,
+    engine: SceneEngine,
+    host: &Host,
+) -> Result<Box<dyn Rig>, Problem> {
+    let simulated = simulated(entry).map_err(|_| one_engine(entry))?;
+    let is_its_own = simulated.engine().unwrap_or_default() == engine;
+    let opening = Opening {
+        in_engine: (!is_its_own).then_some((entry, engine)),
+        ..Opening::new(study, host)
+    };
+    opening.open(simulated)
+}
+
+/// The rig of a ledger's entry in the engine that it does not say.
+///
+/// # Errors
+/// As [`in_engine`].
+pub fn in_other_engine(
     study: &Study,
     entry: &Entry,
     host: &Host,
 ) -> Result<Box<dyn Rig>, Problem> {
-    let opening = Opening {
-        in_second_engine: Some(entry),
-        ..Opening::new(study, host)
-    };
-    match entry.work.simulated() {
-        Some(simulated) => opening.open(simulated),
-        None => Err(one_engine(entry)),
-    }
+    let own = entry.work.simulated().and_then(Simulated::engine);
+    in_engine(study, entry, own.unwrap_or_default().other(), host)
 }
 
 /// What an entry of the ledger simulates.
@@ -169,7 +196,7 @@ fn one_engine(entry: &Entry) -> Problem {
     Problem::new(
         "one-engine",
         format!(
-            "`{}` is not a scene, and the second engine runs only scenes; the handover's contacts, servos and short cuts are written for MuJoCo",
+            "`{}` is not a scene, and only scenes run in another engine; the handover's contacts, servos and short cuts are written for MuJoCo",
             entry.id
         ),
     )

@@ -12,10 +12,6 @@
 //! * a variable that stands nowhere else: it counts how often something is tried again. Of one command one update leads, as often as
 //!   its range allows, to where another update of the module leads.
 //!
-//! Where each of these and of all other changes leaves something in strong disagreement, updates are redirected, one at a time: one
-//! does what another one of its module does, gives a variable a value that another one gives it, or leaves an assignment out. Nothing
-//! in the text says so, so that it has to explain all, and more than the number of such changes makes likely by chance.
-//!
 //! Each such change is solved and tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts. No
 //! number is fitted.
 //!
@@ -33,14 +29,16 @@
 
 mod candidates;
 
+pub(crate) use candidates::declared;
+
 use crate::counts::Counts;
 use crate::draws;
 use crate::model_change::{Changed, ModelChange, Read, Refusal, Solver, Values};
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
 use crate::structure::{Rewriting, Tried};
-use candidates::{asked_in_vain, changes, declared, limits, redirected};
-use evidence::{STRONG, Subject};
+use candidates::{asked_in_vain, changes, limits};
+use evidence::Subject;
 use prism_lang::ast::Command;
 use prism_lang::edit::{self, Edit};
 
@@ -80,15 +78,6 @@ pub enum Idle {
         /// What the update does then.
         to: String,
     },
-    /// What an update does, as other updates of its module do it.
-    Elsewhere {
-        /// The command, counted from 0 over all modules.
-        command: usize,
-        /// Its update, counted from 0.
-        update: usize,
-        /// What the update does then.
-        to: String,
-    },
     /// Another outcome of an update, as often as a variable's range allows.
     Again {
         /// The command, counted from 0 over all modules.
@@ -125,7 +114,6 @@ impl Idle {
         match self {
             Self::Limit { variable, old, .. } => format!("{old} of {variable}"),
             Self::Begin { variable, .. } => format!("init of {variable}"),
-            Self::Elsewhere { to, .. } => format!("an update to {to}"),
             Self::Again { variable, .. } => format!("a command that counts {variable}"),
             Self::Outcome { asked, .. } => format!("an update to {asked}"),
         }
@@ -141,7 +129,6 @@ impl Idle {
             Self::Begin { variable, new } => {
                 format!("`{variable}` may be {new}, and never is")
             }
-            Self::Elsewhere { .. } => "one update leads elsewhere".to_owned(),
             Self::Again { variable, .. } => {
                 format!("`{variable}` is declared, and nothing uses it")
             }
@@ -167,9 +154,7 @@ impl Idle {
                     "`{to}` as what an update of line {line} does, as often as `{variable}` counts"
                 )
             }
-            Self::Outcome { to, .. } | Self::Elsewhere { to, .. } => {
-                format!("`{to}` as what an update of line {line} does")
-            }
+            Self::Outcome { to, .. } => format!("`{to}` as what an update of line {line} does"),
         }
     }
 
@@ -199,11 +184,6 @@ impl Idle {
                 update,
                 to,
                 ..
-            }
-            | Self::Elsewhere {
-                command,
-                update,
-                to,
             } => {
                 let all = commands(&read.tree);
                 let command = all.get(*command).ok_or("the model has no such command")?;
@@ -298,37 +278,17 @@ impl Ground<'_> {
         }
         let affordable = MOST_WORK / model.states.unwrap_or(1).max(1);
         let most = MOST_CHANGES.min(usize::try_from(affordable).unwrap_or(MOST_CHANGES));
-        let tried = |all: Vec<(u8, Idle)>| -> Vec<Tried<(Idle, String)>> {
-            let made = all.into_iter().take(most).filter_map(|(kind, change)| {
-                let text = change.make(&read).ok()?;
-                let values = model.solver.values(&text).ok()?;
-                Some(Tried {
-                    change: (change, text),
-                    kind,
-                    values,
-                })
-            });
-            made.collect()
-        };
+        let made = changes(&read).into_iter().take(most).filter_map(|(kind, change)| {
+            let text = change.make(&read).ok()?;
+            let values = model.solver.values(&text).ok()?;
+            Some(Tried {
+                change: (change, text),
+                kind,
+                values,
+            })
+        });
         // That the text says the value speaks for it, whatever the number of places.
-        let said = tried(changes(&read));
-        let mut explaining = self.explaining_above(f64::NEG_INFINITY, own, before, said);
-        let is_enough = |changed: &Changed| {
-            let trial = self.tried(&own.id, before, changed.at_last());
-            let left = self.most_disagreement(&own.id, changed.at_last());
-            !trial.is_harmful()
-                && !trial.repairs.is_empty()
-                && left.is_none_or(|(_, left)| left <= STRONG)
-        };
-        if explaining.is_empty() && !found.changes.iter().any(|(_, it)| is_enough(it)) {
-            let all = redirected(&read).into_iter().map(|it| (0, it)).collect();
-            explaining = self.explaining(own, before, tried(all));
-            // Nothing in the text speaks for it, so that it has to explain all.
-            explaining.retain(|it| {
-                let left = self.most_disagreement(&own.id, &it.values);
-                left.is_none_or(|(_, left)| left <= STRONG)
-            });
-        }
+        let explaining = self.explaining_above(f64::NEG_INFINITY, own, before, made.collect());
         self.put_first((model, own), before, explaining, found);
     }
 }
@@ -360,7 +320,7 @@ impl Rewriting for Idle {
     }
 }
 
-fn others_tried(count: usize) -> String {
+pub(crate) fn others_tried(count: usize) -> String {
     match count {
         0 => "No other change of the kind moves what is answered".to_owned(),
         1 => "One other change of the kind was tried that moves what is answered".to_owned(),

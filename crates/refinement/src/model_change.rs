@@ -28,6 +28,7 @@
 //! * *Branchless*: a branch of a command is taken out, and its probability goes to another one ([`crate::branches`]).
 //! * *Split*: a branch is put in for which a constant was written that nothing uses ([`crate::unused`]).
 //! * *Idle*: what leads to a value that the model declares or asks for and never comes to ([`crate::idle`]).
+//! * *Slip*: a slip of the text that nothing in it shows ([`crate::slips`]).
 //! * *Once*: if the constant has the counted share and the model's rate for the
 //!   failure differs all the same, the model draws more than once where the
 //!   counts have one opportunity. The commands are taken once.
@@ -55,6 +56,7 @@ use crate::counts::Counts;
 use crate::draws::{Draw, Equality, draws, equalities, names_of};
 use crate::idle::{self, Idle};
 use crate::number::Number;
+use crate::slips::{self, Slip};
 use crate::solve::Scale;
 use crate::structure::FREE_VALUE;
 use crate::unreached::{self, Place};
@@ -146,6 +148,17 @@ pub enum ModelChange {
         subject: Subject,
         /// What is changed.
         change: Idle,
+        /// What was counted.
+        counts: Counts,
+        /// Of how many such changes that move a value.
+        tried: usize,
+    },
+    /// Take back a slip of the text.
+    Slip {
+        /// The failure mode or requirement that it explains.
+        subject: Subject,
+        /// The slip.
+        change: Slip,
         /// What was counted.
         counts: Counts,
         /// Of how many such changes that move a value.
@@ -373,6 +386,7 @@ impl ModelChange {
             | Self::Branch { subject, .. }
             | Self::Split { subject, .. }
             | Self::Idle { subject, .. }
+            | Self::Slip { subject, .. }
             | Self::Branchless { subject, .. } => subject.clone(),
         }
     }
@@ -385,6 +399,7 @@ impl ModelChange {
             | Self::Branch { subject, .. }
             | Self::Split { subject, .. }
             | Self::Idle { subject, .. }
+            | Self::Slip { subject, .. }
             | Self::Branchless { subject, .. } => subject.id(),
         }
     }
@@ -398,6 +413,7 @@ impl ModelChange {
             | Self::Branchless { counts, .. }
             | Self::Split { counts, .. }
             | Self::Idle { counts, .. }
+            | Self::Slip { counts, .. }
             | Self::Once { counts, .. } => counts,
         }
     }
@@ -409,7 +425,8 @@ impl ModelChange {
         match self {
             Self::Branchless { tried, .. }
             | Self::Split { tried, .. }
-            | Self::Idle { tried, .. } => ((*tried).max(1) as f64).log10(),
+            | Self::Idle { tried, .. }
+            | Self::Slip { tried, .. } => ((*tried).max(1) as f64).log10(),
             Self::Rate { .. } | Self::Solve { .. } | Self::Branch { .. } | Self::Once { .. } => {
                 FREE_VALUE
             }
@@ -421,7 +438,7 @@ impl ModelChange {
     pub fn is_of_lacking_branch(&self) -> bool {
         match self {
             Self::Branch { at, .. } => at.is_some(),
-            Self::Split { .. } | Self::Idle { .. } => true,
+            Self::Split { .. } | Self::Idle { .. } | Self::Slip { .. } => true,
             Self::Rate { .. }
             | Self::Solve { .. }
             | Self::Branchless { .. }
@@ -458,6 +475,7 @@ impl ModelChange {
             Self::Branchless { branch, .. } => branches::without(text, solver, branch),
             Self::Split { split, .. } => unused::with(text, solver, split),
             Self::Idle { change, .. } => idle::with(text, solver, change),
+            Self::Slip { change, .. } => slips::with(text, solver, change),
         }
     }
 }

@@ -9,8 +9,8 @@
 //! that does not give the rate, solved for; or, if it has the share already, the draw made once, else solved for. Then the
 //! same for requirements that this leaves in disagreement ([`crate::requirement_rates`]). Branches of commands that should not be
 //! there are tried where anything disagrees strongly ([`crate::branches`]), and so are those to states that a proposition names and
-//! nothing leads to ([`crate::unreached`]), those for which a constant was written that nothing uses ([`crate::unused`]), and what leads to
-//! values that the text declares or asks for ([`crate::idle`]).
+//! nothing leads to ([`crate::unreached`]), those for which a constant was written that nothing uses ([`crate::unused`]), what leads to
+//! values that the text declares or asks for ([`crate::idle`]), and, where none of all these is enough, slips ([`crate::slips`]).
 //!
 //! # Assumes
 //! One change is enough for each failure mode. The p-value takes all trials as independent ([`Counts::p_value`]), at one
@@ -122,6 +122,7 @@ impl Ground<'_> {
         self.of_unreached(model, before, &mut found);
         self.of_unused(model, before, &mut found);
         self.of_idle(model, before, &mut found);
+        self.of_slips(model, before, &mut found);
         found
     }
 

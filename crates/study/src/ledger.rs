@@ -166,6 +166,39 @@ impl Choice for OnFailure {
     ];
 }
 
+/// The physics engine of a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SceneEngine {
+    /// MuJoCo, a library that is fetched apart.
+    #[default]
+    Mujoco,
+    /// Rapier, which is built in.
+    Rapier,
+}
+
+impl SceneEngine {
+    /// The other one of the two.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Mujoco => Self::Rapier,
+            Self::Rapier => Self::Mujoco,
+        }
+    }
+}
+
+impl Choice for SceneEngine {
+    const CHOICES: &'static [(Self, &'static str, &'static str)] = &[
+        (
+            Self::Mujoco,
+            "mujoco",
+            "MuJoCo, a library that is fetched apart",
+        ),
+        (Self::Rapier, "rapier", "Rapier, which is built in"),
+    ];
+}
+
 /// Which recordings of episodes are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -248,6 +281,8 @@ pub enum Work {
         scene: PathBuf,
         /// Which of its tests is enacted; the first if none is named.
         test: Option<String>,
+        /// The physics engine.
+        engine: SceneEngine,
         /// How many episodes.
         episodes: u64,
     },

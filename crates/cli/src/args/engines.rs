@@ -1,18 +1,8 @@
-//! Arguments of `engines`, and the choice of an engine.
+//! Arguments of `engines`.
 
 use super::Format;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::path::PathBuf;
-
-/// A physics engine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum EngineChoice {
-    /// The library that `tools/mujoco` fetches.
-    #[default]
-    Mujoco,
-    /// Built in.
-    Rapier,
-}
 
 /// Arguments of `engines`.
 #[derive(Debug, Args)]
@@ -24,15 +14,15 @@ Examples:
   corroborate engines case-studies/four-physics S1 --against P1
   corroborate engines my-study S1 --tolerance /truth/arm.x=0.005
 
-Runs the same episodes (test, seeds, controllers) of a scene in MuJoCo and in
-Rapier and prints what matters first: verdicts that differ, then truth values
+Runs the same episodes (test, seeds, controllers) of a scene in the engine that
+its entry says and in the other one, MuJoCo and Rapier, and prints what matters first: verdicts that differ, then truth values
 and names that differ (equal or not, by name), then numbers, those that lie
 furthest apart first: the largest difference as a multiple of the signal's
 --tolerance, or else the root mean square as a share of the signal's range.
 Numbers whose unit is one of angles (rad, deg) are compared the shorter way
 round where both lie within one turn. What is the same is counted. Exits 1 if a
 verdict on an episode differs. With --against another
-entry takes the place of Rapier, whatever its simulator is, with the seeds of
+entry takes the place of the other engine, whatever its simulator is, with the seeds of
 the first; signals of the same name are compared. With --determinism each
 episode is run again, and saved in its middle and continued, and the hashes of
 all its recordings are compared; exits 1 if two differ. An entry that is not

@@ -1,9 +1,9 @@
 //! The arguments of `simulate`, and what its recordings hold.
 
-use super::{EngineChoice, Format, choice};
+use super::{Format, choice};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use study::{Keep, OnFailure};
+use study::{Keep, OnFailure, SceneEngine};
 
 /// Arguments of `simulate`.
 #[derive(Debug, Args)]
@@ -48,9 +48,9 @@ pub struct Simulate {
     /// Where the recordings go.
     #[arg(long, value_name = "FOLDER")]
     pub out: PathBuf,
-    /// The physics engine; the handover runs in MuJoCo only.
-    #[arg(long, value_enum, default_value_t, value_name = "ENGINE")]
-    pub engine: EngineChoice,
+    /// The physics engine of a scene, in place of the ledger's; the handover runs in MuJoCo only.
+    #[arg(long, value_parser = choice::<SceneEngine>(), value_name = "ENGINE")]
+    pub engine: Option<SceneEngine>,
     /// What the recordings hold.
     #[arg(long = "as", value_enum, default_value_t, value_name = "FORM")]
     pub form: RecordingForm,

@@ -1,7 +1,7 @@
 //! `corroborate simulate`: episodes of a study's simulation, recorded, judged and counted.
 
 use super::{Done, Host, json, use_threads};
-use crate::args::{self, EngineChoice, Format, Simulate};
+use crate::args::{self, Format, Simulate};
 use corroborate::simulate::{RecordingForm, SimulateReport, SimulateRequest};
 use diagnostic::{Problem, counted};
 use evidence::{Cost, Verdict};
@@ -35,7 +35,7 @@ fn request(arguments: &Simulate) -> SimulateRequest {
         on_failure: arguments.on_failure,
         first: arguments.first,
         seed: arguments.seed,
-        in_second_engine: arguments.engine == EngineChoice::Rapier,
+        engine: arguments.engine,
         form: match arguments.form {
             args::RecordingForm::Corroborate => RecordingForm::Signals,
             args::RecordingForm::Ros2 => RecordingForm::Ros2,

@@ -7,7 +7,7 @@ use crate::support;
 
 use serde_json::Value;
 use support::copy_study;
-use support::program::Said;
+use support::program::{Said, command, said};
 use support::simulation::{driven, handover, library, simulating};
 
 /// The corridor's study in a folder of its own, with physics in longer steps and episodes of at most so many seconds:
@@ -105,6 +105,68 @@ fn a_scene_is_simulated_in_the_second_engine_alone() {
     let judged = driven(&library, folder.path(), &["monitor", ".", "out"]);
     assert_eq!(judged.code, 0, "{judged:?}");
 }
+
+/// An entry says its engine, so that what it shows needs no library; its evidence and its replay are of that engine.
+#[test]
+fn an_entry_of_the_ledger_is_run_in_the_engine_that_it_names() {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    for (name, text) in [
+        ("study.toml", FALLING_STUDY),
+        ("requirements.toml", FALLING_REQUIREMENTS),
+        ("vocabulary.toml", FALLING_VOCABULARY),
+        ("ledger.toml", FALLING_LEDGER),
+        ("scene.toml", FALLING_SCENE),
+    ] {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    let without_library = |arguments: &[&str]| {
+        said(command(folder.path(), arguments).env("CORROBORATE_MUJOCO", ""))
+    };
+    let ran = without_library(&["run", ".", "--quiet"]);
+    assert!([0, 3].contains(&ran.code), "{ran:?}");
+    let evidence = support::read(&folder.path().join("results/evidence/S1.json"));
+    let evidence: Value = serde_json::from_str(&evidence).expect("JSON");
+    assert!(evidence.to_string().contains("Rapier"), "{evidence}");
+    // The same inputs give the same episode, in the same engine.
+    let again = without_library(&["verify", "results", ".", "--deep"]);
+    assert!([0, 3].contains(&again.code), "{again:?}");
+    let replayed = without_library(&["replay", ".", "S1:1"]);
+    assert!([0, 1].contains(&replayed.code), "{replayed:?}");
+    // Another engine than the two is no engine, and what has none takes no such key.
+    let ledger = folder.path().join("ledger.toml");
+    std::fs::write(&ledger, FALLING_LEDGER.replace("rapier", "bullet")).expect("written");
+    let refused = without_library(&["validate", "."]);
+    assert_eq!(refused.code, 2, "{refused:?}");
+    assert!(
+        refused.talk.contains("ledger.toml:8") && refused.talk.contains("mujoco"),
+        "{refused:?}"
+    );
+}
+
+const FALLING_STUDY: &str = "title = \"A stone\"\nsummary = \"It falls.\"\nseed = 1\nconfidence = 0.95\nagreement = 0.95\n\
+    [conditions]\nusual = \"u\"\n";
+
+const FALLING_REQUIREMENTS: &str = "[[requirement]]\nid = \"down\"\ntext = \"The stone comes to the ground.\"\n\
+    formula = \"eventually[0,1.4 s] low\"\nmargin = 0.1\n";
+
+const FALLING_VOCABULARY: &str =
+    "low = { meaning = \"it is near the ground\", trace = \"/truth/stone.z < 0.2 m\" }\n";
+
+const FALLING_LEDGER: &str = "[[evidence]]\nid = \"S1\"\ntitle = \"s\"\ntechnique = \"simulation\"\nconditions = \"usual\"\n\
+    scene = \"scene.toml\"\nepisodes = 2\nengine = \"rapier\"\nchanged = \"c\"\n";
+
+const FALLING_SCENE: &str = r#"
+name = "a stone falls"
+simulation = { duration_secs = 1.5, time_step_secs = 0.005 }
+[[object]]
+name = "stone"
+radius_m = 0.1
+mass_kg = 1.0
+z_m = 1.0
+[[abstract_test]]
+name = "nothing"
+actions = []
+"#;
 
 #[test]
 fn the_handover_is_refused_with_what_it_would_need() {

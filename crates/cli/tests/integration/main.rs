@@ -47,6 +47,7 @@ mod planted_idle;
 mod planted_lacking;
 mod planted_numbers;
 mod planted_places;
+mod planted_slips;
 mod planted_structure;
 mod planted_triggers;
 mod planted_values;

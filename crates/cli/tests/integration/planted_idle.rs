@@ -3,17 +3,7 @@
 
 use crate::support;
 
-use support::planted::Planted;
-
-const STUDY: &str = r#"
-title = "A reader"
-summary = "A model of a scanner, and counts by hand."
-seed = 1
-confidence = 0.95
-agreement = 0.95
-[conditions]
-typical = "As usual."
-"#;
+use support::planted::{LEDGER, Planted};
 
 const REQUIREMENTS: &str = r#"
 [[requirement]]
@@ -45,23 +35,6 @@ meaning = "The parcel is on its belt."
 model = "s=belt"
 "#;
 
-const LEDGER: &str = r#"
-[[evidence]]
-id = "M"
-title = "A model"
-technique = "model-checking"
-conditions = "typical"
-model = "model.prism"
-changed = "The first."
-[[evidence]]
-id = "T"
-title = "Trials"
-technique = "experiment"
-conditions = "typical"
-tables.requirements = "counts.csv"
-changed = "Counted by hand."
-"#;
-
 const MODEL: &str = "dtmc
 const int look = 0;
 const int read = 1;
@@ -84,35 +57,12 @@ const COUNTS: &str =
 
 fn study(old: &str, new: &str) -> Planted {
     assert!(MODEL.contains(old), "the model has no `{old}`");
-    let folder = Planted::new();
-    for (name, text) in [
-        ("study.toml", STUDY),
-        ("requirements.toml", REQUIREMENTS),
-        ("vocabulary.toml", VOCABULARY),
-        ("ledger.toml", LEDGER),
-        ("model.prism", &MODEL.replace(old, new)),
-        ("counts.csv", COUNTS),
-    ] {
-        folder.write(name, text);
-    }
-    folder.run();
-    folder
+    let model = MODEL.replace(old, new);
+    Planted::of_model_and_counts([REQUIREMENTS, VOCABULARY, &model, COUNTS])
 }
 
-/// The first suspect's line, and the first offered diff.
 fn first(old: &str, new: &str) -> (u64, String) {
-    let folder = study(old, new);
-    let diagnosis = folder.json("diagnose");
-    let asset = &diagnosis["suspects"][0]["asset"];
-    assert_eq!(asset["file"], "model.prism", "{diagnosis}");
-    let offered = folder.json("refine");
-    let proposals = offered["proposals"].as_array().expect("proposals");
-    // A number that makes up for it is left open, and says so.
-    for other in proposals.iter().skip(1) {
-        assert_eq!(other["needs_decision"], true, "{other}");
-    }
-    let diff = proposals[0]["diff"].as_str().unwrap_or_default();
-    (asset["line"].as_u64().unwrap_or_default(), diff.to_owned())
+    study(old, new).first_of_model()
 }
 
 #[test]

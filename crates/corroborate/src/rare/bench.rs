@@ -5,7 +5,7 @@ use crate::rigs::{self, Opening};
 use diagnostic::{Problem, Source};
 use host::Host;
 use rig::Rig;
-use study::Study;
+use study::{SceneEngine, Study};
 
 /// Opens what the file names, with the test that episodes enact. An estimate is a figure: it is of the full physics, however
 /// long that takes.
@@ -21,7 +21,8 @@ pub fn open(
         ..Opening::new(study, host)
     };
     let (scenario, scene) = (text.scenario.as_deref(), text.scene.as_deref());
-    let of_files = rigs::of_files(scenario, text.parameters.as_deref(), scene);
+    let of_scene = scene.map(|scene| (scene, SceneEngine::default()));
+    let of_files = rigs::of_files(scenario, text.parameters.as_deref(), of_scene);
     let has_files = scenario.or(scene).or(text.parameters.as_deref()).is_some();
     match (&text.evidence, of_files) {
         (Some(evidence), None) if !has_files => {

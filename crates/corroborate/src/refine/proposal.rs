@@ -478,6 +478,7 @@ pub fn model_proposal(
         } | ModelChange::Branchless { .. }
             | ModelChange::Split { .. }
             | ModelChange::Idle { .. }
+            | ModelChange::Slip { .. }
     );
     let is_a_guess = !changed.alternatives.is_empty() || (is_fitted && suspect != Some(1));
     // Which branches there are is decided by who knows the system.
@@ -576,6 +577,11 @@ fn reason(change: &ModelChange, [rate, after]: [Option<f64>; 2], counts: &Counts
              and nothing has to be fitted for it.",
             counts.words(),
             change.hint()
+        ),
+        ModelChange::Slip { change, .. } => format!(
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. If {}, they agree, and nothing has to be fitted for it.",
+            counts.words(),
+            change.supposed()
         ),
         ModelChange::Branchless { .. } => format!(
             "The model's rate of {mode} is {rate:.6}, and it was counted in {}. Without one branch of a command they {}, and \

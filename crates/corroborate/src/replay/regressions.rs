@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use study::{BenchFiles, Expected, Finding, Shows, Study};
+use study::{BenchFiles, Choice, Expected, Finding, Shows, Study};
 
 /// Regressions to be run again. [`RegressionsRequest::new`] has the defaults.
 #[derive(Clone, Debug)]
@@ -319,5 +319,6 @@ impl<'a> Prepared<'a> {
 fn key(files: &BenchFiles) -> String {
     let parts = [&files.scenario, &files.parameters, &files.scene];
     let parts = parts.map(|part| part.as_deref().unwrap_or("-"));
-    format!("{}\n{}", files.evidence, parts.join("\n"))
+    let engine = files.engine.unwrap_or_default().word();
+    format!("{}\n{}\n{engine}", files.evidence, parts.join("\n"))
 }

@@ -17,7 +17,7 @@ use host::files::write_whole;
 use host::store::Inputs;
 use rig::Rig;
 use std::path::{Path, PathBuf};
-use study::{Entry, Keep, OnFailure, Study};
+use study::{Entry, Keep, OnFailure, SceneEngine, Study};
 
 /// What recordings of a simulation hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,8 +50,8 @@ pub struct SimulateRequest {
     pub seed: Option<u64>,
     /// The folder for recordings and results. One that holds episodes of the same request is gone on with.
     pub out: PathBuf,
-    /// In the second engine, which only scenes can be simulated in.
-    pub in_second_engine: bool,
+    /// The physics engine instead of the ledger's; what is no scene is simulated in MuJoCo alone.
+    pub engine: Option<SceneEngine>,
     /// What the recordings hold.
     pub form: RecordingForm,
 }
@@ -73,7 +73,7 @@ impl SimulateRequest {
             first: 1,
             seed: None,
             out: out.into(),
-            in_second_engine: false,
+            engine: None,
             form: RecordingForm::default(),
         }
     }
@@ -98,9 +98,9 @@ pub struct SimulatedEpisodes {
 pub fn simulate(request: &SimulateRequest, setting: &Host) -> Result<SimulatedEpisodes, Problem> {
     let study = Study::load(&request.study)?;
     let entry = study.entry(&request.evidence)?;
-    let rig = match request.in_second_engine {
-        true => rigs::in_second_engine(&study, entry, setting)?,
-        false => rigs::of_entry(&study, entry, setting)?,
+    let rig = match request.engine {
+        Some(engine) => rigs::in_engine(&study, entry, engine, setting)?,
+        None => rigs::of_entry(&study, entry, setting)?,
     };
     let called = Called {
         study: &study,

@@ -215,11 +215,13 @@ pub(crate) fn technique_of<'t>(
         Work::SimulateScene {
             scene,
             test,
+            engine,
             episodes,
         } => Box::new(Episodes {
             of: Simulated::Scene {
                 scene,
                 test: test.as_deref(),
+                engine: *engine,
             },
             count: *episodes,
         }),

@@ -6,9 +6,8 @@ use crate::model_change::Read;
 use crate::number::commands;
 use crate::unreached::{Lacking, of_guards};
 use crate::unused::is_used;
-use prism_lang::ast::{Assignment, BinaryOp, Expr, ExprKind, ModuleBody, Variable, VariableRange};
+use prism_lang::ast::{BinaryOp, Expr, ExprKind, ModuleBody, Variable, VariableRange};
 use prism_lang::edit;
-use std::collections::BTreeSet;
 
 /// All changes with their kinds.
 pub(super) fn changes(read: &Read<'_>) -> Vec<(u8, Idle)> {
@@ -124,7 +123,7 @@ fn repetitions(read: &Read<'_>) -> Vec<Idle> {
 }
 
 /// The variables that are declared in modules which are written out.
-pub(super) fn declared<'r>(read: &'r Read<'_>) -> impl Iterator<Item = &'r Variable> {
+pub(crate) fn declared<'r>(read: &'r Read<'_>) -> impl Iterator<Item = &'r Variable> {
     let of_modules = read
         .tree
         .modules
@@ -255,59 +254,6 @@ fn outcomes(read: &Read<'_>) -> Vec<Idle> {
                         to,
                     }));
                 }
-            }
-        }
-        first += own.len();
-    }
-    found
-}
-
-/// Updates that do what others of their module do, give a variable another of its values, or leave an assignment out.
-pub(super) fn redirected(read: &Read<'_>) -> Vec<Idle> {
-    let mut found = Vec::new();
-    let mut first = 0;
-    for module in &read.tree.modules {
-        let ModuleBody::Written { commands: own, .. } = &module.body else {
-            continue;
-        };
-        let updates = || own.iter().flat_map(|it| &it.updates);
-        let outcomes: BTreeSet<String> = updates().map(|it| edit::outcome(read.text, it)).collect();
-        let written = |it: &Assignment| {
-            let value = it.value.span;
-            (
-                it.variable.text.clone(),
-                read.text[value.start..value.end].to_owned(),
-            )
-        };
-        let values: BTreeSet<(String, String)> = updates()
-            .flat_map(|it| &it.assignments)
-            .map(written)
-            .collect();
-        for (place, command) in own.iter().enumerate() {
-            for (number, update) in command.updates.iter().enumerate() {
-                let now = edit::outcome(read.text, update);
-                let with = values
-                    .iter()
-                    .map(|(name, value)| edit::with_value(read.text, update, name, value));
-                let without = (0..update.assignments.len()).map(|gone| {
-                    let kept = update
-                        .assignments
-                        .iter()
-                        .enumerate()
-                        .filter(|(at, _)| *at != gone);
-                    let kept: Vec<String> = kept
-                        .map(|(_, it)| written(it))
-                        .map(|(name, value)| format!("({name}'={value})"))
-                        .collect();
-                    kept.join(" & ")
-                });
-                let all = with.chain(outcomes.iter().cloned()).chain(without);
-                let all: BTreeSet<String> = all.filter(|to| *to != now && !to.is_empty()).collect();
-                found.extend(all.into_iter().map(|to| Idle::Elsewhere {
-                    command: first + place,
-                    update: number,
-                    to,
-                }));
             }
         }
         first += own.len();

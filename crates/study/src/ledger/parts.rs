@@ -3,7 +3,7 @@
 //! Diagnosis, refinement, replays and searches ask for a part (a model, tables, recordings, what is simulated) and never
 //! for the kind of work, so that new work is one more row of [`Work::parts`], in which no field can be left out.
 
-use super::{CommandText, Work};
+use super::{CommandText, SceneEngine, Work};
 use evidence::Technique;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -83,6 +83,8 @@ pub enum Simulated<'w> {
         scene: &'w Path,
         /// Which of its tests is enacted; the first if none is named.
         test: Option<&'w str>,
+        /// The physics engine.
+        engine: SceneEngine,
     },
     /// A command.
     Command(&'w CommandText),
@@ -115,6 +117,14 @@ impl<'w> Simulated<'w> {
     pub fn test(self) -> Option<&'w str> {
         match self {
             Simulated::Scene { test, .. } => test,
+            Simulated::Handover { .. } | Simulated::Command(_) => None,
+        }
+    }
+
+    /// The physics engine, of a scene.
+    pub fn engine(self) -> Option<SceneEngine> {
+        match self {
+            Simulated::Scene { engine, .. } => Some(engine),
             Simulated::Handover { .. } | Simulated::Command(_) => None,
         }
     }
@@ -180,6 +190,7 @@ impl Work {
             Work::SimulateScene {
                 scene,
                 test,
+                engine,
                 episodes,
             } => Parts {
                 technique: Technique::Simulation,
@@ -188,6 +199,7 @@ impl Work {
                 simulated: Some(Simulated::Scene {
                     scene,
                     test: test.as_deref(),
+                    engine: *engine,
                 }),
                 episodes: *episodes,
                 tables: None,

@@ -1,6 +1,6 @@
 //! Reads `ledger.toml` and holds it against the rest of the study.
 
-use super::{Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, UntilText, Work};
+use super::{Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, SceneEngine, UntilText, Work};
 use crate::{About, Forms, Texts};
 use diagnostic::{Problem, Problems, Source, did_you_mean};
 use evidence::{Calibration, Subject};
@@ -85,6 +85,9 @@ pub(super) struct EntryText {
     /// Which test of the scene is run; the first, if absent.
     #[schemars(with = "Option<String>")]
     pub(super) test: Option<Spanned<String>>,
+    /// The physics engine of the scene; MuJoCo, if absent.
+    #[schemars(with = "Option<SceneEngine>")]
+    pub(super) engine: Option<Spanned<SceneEngine>>,
     /// How many episodes are run, at most where `until` ends earlier. Simulation and commands.
     #[schemars(with = "Option<u64>")]
     pub(super) episodes: Option<Spanned<u64>>,

@@ -1,7 +1,7 @@
 //! What an entry of the ledger does, out of the keys that say so; keys that belong to other work are refused.
 
 use super::read::{EntryText, Reader, TablesText};
-use super::{CommandText, Method, Sampling, TreeEvent, Work};
+use super::{CommandText, Method, Sampling, SceneEngine, TreeEvent, Work};
 use crate::placed::toml_place;
 use diagnostic::{Problem, Problems};
 use evidence::Subject;
@@ -36,6 +36,7 @@ fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
             &[
                 "scene",
                 "test",
+                "engine",
                 "episodes",
                 "seeds",
                 "until",
@@ -72,7 +73,7 @@ fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
 }
 
 /// The keys of an entry that say how its work is done, with the place of each that is given.
-fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 27] {
+fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 28] {
     fn at<T>(value: &Option<Spanned<T>>) -> Option<Range<usize>> {
         value.as_ref().map(Spanned::span)
     }
@@ -88,6 +89,7 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 27] {
         parameters,
         scene,
         test,
+        engine,
         episodes,
         command,
         assets,
@@ -129,6 +131,7 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 27] {
         ("parameters", at(parameters)),
         ("scene", at(scene)),
         ("test", at(test)),
+        ("engine", at(engine)),
         ("episodes", at(episodes)),
         ("command", at(command)),
         ("assets", assets.map(Spanned::span)),
@@ -457,6 +460,7 @@ impl Reader<'_> {
             return found.or(work.unwrap_or(Work::SimulateScene {
                 scene: PathBuf::new(),
                 test: None,
+                engine: SceneEngine::default(),
                 episodes,
             }));
         }
@@ -487,6 +491,7 @@ impl Reader<'_> {
         Ok(Work::SimulateScene {
             scene: self.existing(scene)?,
             test: text.test.as_ref().map(|test| test.get_ref().clone()),
+            engine: text.engine.as_ref().map(|it| *it.get_ref()).unwrap_or_default(),
             episodes,
         })
     }

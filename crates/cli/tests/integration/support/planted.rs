@@ -8,10 +8,70 @@ use tempfile::TempDir;
 /// Its folder, which goes away with it.
 pub struct Planted(TempDir);
 
+const STUDY: &str = r#"
+title = "A model and counts"
+summary = "One model, and trials that were counted by hand."
+seed = 1
+confidence = 0.95
+agreement = 0.95
+[conditions]
+typical = "As usual."
+"#;
+
+/// The evidence M of a model, and T of counts.
+pub const LEDGER: &str = r#"
+[[evidence]]
+id = "M"
+title = "A model"
+technique = "model-checking"
+conditions = "typical"
+model = "model.prism"
+changed = "The first."
+[[evidence]]
+id = "T"
+title = "Trials"
+technique = "experiment"
+conditions = "typical"
+tables.requirements = "counts.csv"
+changed = "Counted by hand."
+"#;
+
 impl Planted {
     /// A study without files.
     pub fn new() -> Self {
         Self(TempDir::new().expect("a folder"))
+    }
+
+    /// A study of `requirements.toml`, `vocabulary.toml`, `model.prism` and `counts.csv`, which has been run.
+    pub fn of_model_and_counts([requirements, vocabulary, model, counts]: [&str; 4]) -> Self {
+        let folder = Self::new();
+        for (name, text) in [
+            ("study.toml", STUDY),
+            ("ledger.toml", LEDGER),
+            ("requirements.toml", requirements),
+            ("vocabulary.toml", vocabulary),
+            ("model.prism", model),
+            ("counts.csv", counts),
+        ] {
+            folder.write(name, text);
+        }
+        folder.run();
+        folder
+    }
+
+    /// The line of the first suspect, which is the model, and the first offered diff; all other offers are left open.
+    pub fn first_of_model(&self) -> (u64, String) {
+        let diagnosis = self.json("diagnose");
+        let asset = &diagnosis["suspects"][0]["asset"];
+        assert_eq!(asset["file"], "model.prism", "{diagnosis}");
+        let offered = self.json("refine");
+        let proposals = offered["proposals"].as_array().expect("proposals");
+        // A number that makes up for it says so.
+        for other in proposals.iter().skip(1) {
+            assert_eq!(other["needs_decision"], true, "{other}");
+        }
+        let diff = proposals[0]["diff"].as_str().unwrap_or_default();
+        (asset["line"].as_u64().unwrap_or_default(), diff.to_owned())
     }
 
     pub fn path(&self) -> &Path {

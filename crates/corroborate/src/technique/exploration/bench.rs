@@ -9,7 +9,7 @@ use rig::Rig;
 pub use rig::failed;
 use std::path::Path;
 use stimulus::{AbstractTest, Stimulus};
-use study::{BenchFiles, CommandText, Entry, Simulated, Study};
+use study::{BenchFiles, CommandText, Entry, SceneEngine, Simulated, Study};
 use testbench::{Drawn, End, Failure, Part, Recorded, SimError, Unwatched, Watch};
 use toml::Table;
 use trace::Trace;
@@ -44,7 +44,11 @@ impl OpenBench {
                 files.scenario = shown(scenario);
                 files.parameters = shown(parameters);
             }
-            Some(Simulated::Scene { scene, .. }) => files.scene = shown(scene),
+            Some(Simulated::Scene { scene, engine, .. }) => {
+                files.scene = shown(scene);
+                // What is not said is MuJoCo's, as in files that were written before there was a choice.
+                files.engine = Some(engine).filter(|it| *it != SceneEngine::default());
+            }
             Some(Simulated::Command(_)) => {}
             None => {
                 return Err(Problem::new(
@@ -63,7 +67,8 @@ impl OpenBench {
         let of_files = || {
             let (scenario, scene) = (files.scenario.as_deref(), files.scene.as_deref());
             let parameters = files.parameters.as_deref().map(Path::new);
-            rigs::of_files(scenario.map(Path::new), parameters, scene.map(Path::new))
+            let scene = scene.map(|scene| (Path::new(scene), files.engine.unwrap_or_default()));
+            rigs::of_files(scenario.map(Path::new), parameters, scene)
         };
         let simulated = simulated.or_else(of_files);
         let simulated = simulated.ok_or_else(|| {

@@ -210,10 +210,16 @@ fn point(suspect: &mut Suspect, text: &str, change: &ModelChange, changed: &Chan
             suspect.asset.line = change.line(text);
             format!("`{}`", change.part())
         }
+        ModelChange::Slip { change, .. } => {
+            suspect.asset.line = change.line(text);
+            format!("`{}`", change.part())
+        }
         ModelChange::Rate { .. } | ModelChange::Branch { .. } | ModelChange::Once { .. } => return,
     };
-    if let ModelChange::Branchless { .. } | ModelChange::Split { .. } | ModelChange::Idle { .. } =
-        change
+    if let ModelChange::Branchless { .. }
+    | ModelChange::Split { .. }
+    | ModelChange::Idle { .. }
+    | ModelChange::Slip { .. } = change
     {
         suspect
             .explanation

@@ -19,7 +19,7 @@ use judging::Judges;
 use rayon::prelude::*;
 use rig::Rig;
 use stimulus::Stimulus;
-use study::{Entry, Work};
+use study::{Entry, SceneEngine, Simulated, Work};
 use temporal::monitor::Verdict;
 use testbench::{Recorded, SimError, Unwatched};
 use toml::Table;
@@ -127,23 +127,32 @@ impl Diagnosing<'_> {
         episodes: u64,
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
-        let second = match rigs::in_second_engine(self.study, entry, self.setting) {
-            Err(problem) if problem.code == "one-engine" => {
-                let said =
-                    "the handover's contacts are written for MuJoCo; scenes can be run in both";
+        let second = match rigs::in_other_engine(self.study, entry, self.setting) {
+            Ok(second) => second,
+            Err(problem) => {
+                let said = match problem.code {
+                    "one-engine" => {
+                        "the handover's contacts are written for MuJoCo; scenes can be run in both"
+                    }
+                    "no-physics-library" => "MuJoCo is not here (`corroborate doctor`)",
+                    _ => return Err(problem),
+                };
                 gathered
                     .not_done
                     .push(format!("the other engine for {}: {said}", entry.id));
                 return Ok(());
             }
-            second => second?,
         };
         let rigs = [rigs::of_entry(self.study, entry, self.setting)?, second];
         let run = |changed: usize, seed: u64| {
             let rig = &rigs[changed];
             rig.run(rig.stimulus(), seed, &mut Unwatched, &self.setting.cancel)
         };
-        let changed = "Rapier in place of MuJoCo";
+        let own = entry.work.simulated().and_then(Simulated::engine);
+        let changed = match own.unwrap_or_default() {
+            SceneEngine::Mujoco => "Rapier in place of MuJoCo",
+            SceneEngine::Rapier => "MuJoCo in place of Rapier",
+        };
         let pairs = self.pairs(entry, episodes, changed, &run)?;
         let asset = SuspectAsset {
             kind: SuspectKind::Engine,

@@ -1,0 +1,307 @@
+//! A slip of the pen in a model's text that nothing in the text shows: where nothing else explains what disagrees, each is tried.
+//!
+//! # Definition
+//! One of these, everywhere else the text stays as it is:
+//!
+//! * *elsewhere*: an update does what another one of its module does, gives a variable a value that another one gives it, or leaves an
+//!   assignment out;
+//! * *whole number*: a constant of type `int` that is compared by order or counted with is one or two more or less;
+//! * *bound*: a number that guards compare a variable with in several places is one more or less in all of them, so that what
+//!   two commands share between them stays shared;
+//! * *guard*: in one guard or formula a comparison leaves out or takes in equality, is turned around or denied, its whole number is one
+//!   more or less, a Boolean variable is denied or not, `&` is `|` or the other way round;
+//! * *exchange*: two commands of a module, at most [`NEAR_BY`] apart, have each other's guards.
+//!
+//! Each is solved and tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts, and where each of all
+//! other changes leaves something in strong disagreement. It has to explain all, and more than the number of such changes makes likely
+//! by chance. No number is fitted.
+//!
+//! # Assumes
+//! That one place is wrong. All kinds are equally likely before, and so are all changes of one kind.
+//!
+//! # Source and guarantee
+//! The method of difference (J. S. Mill, 1843) over the usual mutations of a text (R. A. DeMillo, R. J. Lipton, F. G. Sayward, "Hints on
+//! test data selection", 1978: programs that are nearly right differ from right ones by little). What is offered was solved. Several
+//! places may give the same rates; each says so. A guard that then overlaps with another one, or leaves a state without a way
+//! out, is judged by its values alone.
+//!
+//! # Cost
+//! One solution for each; at most [`MOST_CHANGES`] in all, of a large model fewer, so that states times solutions stay below
+//! [`MOST_WORK`].
+
+mod candidates;
+
+use crate::counts::Counts;
+use crate::idle::others_tried;
+use crate::model_change::{Changed, ModelChange, Read, Refusal, Solver, Values};
+use crate::model_offers::{Ground, Model, ModelOffers};
+use crate::number::commands;
+use crate::structure::{Rewriting, Tried};
+use candidates::{bounds, places, slips};
+use evidence::{STRONG, Subject};
+use prism_lang::Span;
+use prism_lang::ast::Command;
+use prism_lang::edit::{self, Edit};
+
+/// Changes that are tried, at most.
+const MOST_CHANGES: usize = 600;
+
+/// States times solutions, at most.
+const MOST_WORK: u64 = 20_000_000;
+
+/// How far two commands stand apart that may have each other's guards.
+const NEAR_BY: usize = 2;
+
+/// One slip that is taken back.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Slip {
+    /// What an update does, as other updates of its module do it.
+    Elsewhere {
+        /// The command, counted from 0 over all modules.
+        command: usize,
+        /// Its update, counted from 0.
+        update: usize,
+        /// What the update does then.
+        to: String,
+    },
+    /// The value of a constant of type `int`.
+    Whole {
+        /// The constant.
+        constant: String,
+        /// Its value.
+        old: i64,
+        /// Its value then.
+        new: i64,
+    },
+    /// A number that several guards compare a variable with.
+    Bound {
+        /// The variable.
+        variable: String,
+        /// The number.
+        old: i64,
+        /// The number then.
+        new: i64,
+    },
+    /// A part of one guard or formula.
+    Guard {
+        /// The part, counted from 0 over all parts of guards and formulas.
+        place: usize,
+        /// As it is written.
+        old: String,
+        /// What is written then.
+        new: String,
+    },
+    /// Guards of two commands that change places.
+    Exchange {
+        /// The commands, counted from 0 over all modules.
+        commands: [usize; 2],
+    },
+}
+
+impl Slip {
+    /// The first line of a model's text that it changes, from 1.
+    #[must_use]
+    pub fn line(&self, text: &str) -> Option<u32> {
+        let read = Read::new(text).ok()?;
+        let edits = self.edits(&read).ok()?;
+        let first = edits.iter().map(|it| it.span.start).min()?;
+        let (line, _) = prism_lang::line_and_column(text, first);
+        u32::try_from(line).ok()
+    }
+
+    /// What of the text is changed, in few words.
+    #[must_use]
+    pub fn part(&self) -> String {
+        match self {
+            Self::Elsewhere { to, .. } => format!("an update to {to}"),
+            Self::Whole { constant, .. } => constant.clone(),
+            Self::Bound { variable, old, .. } => format!("{old} of {variable}"),
+            Self::Guard { old, .. } => old.clone(),
+            Self::Exchange { .. } => "guards of two commands".to_owned(),
+        }
+    }
+
+    /// What is supposed to be wrong, as a clause.
+    #[must_use]
+    pub fn supposed(&self) -> &'static str {
+        match self {
+            Self::Elsewhere { .. } => "one update leads elsewhere",
+            Self::Whole { .. } => "one whole number is another",
+            Self::Bound { .. } => "one number of the guards is another",
+            Self::Guard { .. } => "one part of a guard is written otherwise",
+            Self::Exchange { .. } => "two commands have each other's guards",
+        }
+    }
+
+    fn words(&self, text: &str) -> String {
+        let line = self.line(text).unwrap_or_default();
+        match self {
+            Self::Elsewhere { to, .. } => format!("`{to}` as what an update of line {line} does"),
+            Self::Whole { constant, old, new } => {
+                format!("`{constant}` is {new} in place of {old}, in line {line}")
+            }
+            Self::Bound { variable, old, new } => format!(
+                "{new} in place of {old} where guards compare `{variable}`, from line {line} on"
+            ),
+            Self::Guard { old, new, .. } => {
+                format!("`{new}` in place of `{old}` in line {line}")
+            }
+            Self::Exchange { .. } => {
+                format!("the guard of line {line} and that of a command near by change places")
+            }
+        }
+    }
+
+    fn edits(&self, read: &Read<'_>) -> Result<Vec<Edit>, Refusal> {
+        match self {
+            Self::Elsewhere {
+                command,
+                update,
+                to,
+            } => {
+                let all = commands(&read.tree);
+                let update = command_of(&all, *command)?
+                    .updates
+                    .get(*update)
+                    .ok_or("the command has no such update")?;
+                Ok(vec![edit::with_outcome(read.text, update, to)])
+            }
+            Self::Whole { constant, new, .. } => {
+                edit::set_constant(&read.tree, constant, &new.to_string())
+                    .map_err(|e| e.to_string())
+            }
+            Self::Bound { variable, old, new } => {
+                let all = bounds(read);
+                let own = all
+                    .iter()
+                    .filter(|it| it.variable == *variable && it.value == *old);
+                let edits: Vec<Edit> = own
+                    .map(|it| Edit::replace(it.span, new.to_string()))
+                    .collect();
+                match edits.is_empty() {
+                    true => Err(format!("no guard compares `{variable}` with {old}")),
+                    false => Ok(edits),
+                }
+            }
+            Self::Guard { place, old, new } => {
+                let all = places(read);
+                let part = all.get(*place).ok_or("the model has no such part")?;
+                match read.text[part.whole.start..part.whole.end] == **old {
+                    true => Ok(vec![Edit::replace(part.whole, new.clone())]),
+                    false => Err(format!("the model has no `{old}` there")),
+                }
+            }
+            Self::Exchange {
+                commands: [first, second],
+            } => {
+                let all = commands(&read.tree);
+                let spans = [first, second].map(|it| command_of(&all, *it).map(guard_of));
+                let [first, second] = spans;
+                let (first, second) = (first?, second?);
+                let written = |span: Span| read.text[span.start..span.end].to_owned();
+                Ok(vec![
+                    Edit::replace(first, written(second)),
+                    Edit::replace(second, written(first)),
+                ])
+            }
+        }
+    }
+
+    fn make(&self, read: &Read<'_>) -> Result<String, Refusal> {
+        edit::apply(read.text, &self.edits(read)?).map_err(|e| e.to_string())
+    }
+}
+
+fn command_of<'a>(all: &[&'a Command], place: usize) -> Result<&'a Command, Refusal> {
+    Ok(*all.get(place).ok_or("the model has no such command")?)
+}
+
+fn guard_of(command: &Command) -> Span {
+    command.guard.span
+}
+
+impl Ground<'_> {
+    /// Puts slips that explain what disagrees first, where nothing that was found before is enough.
+    pub(crate) fn of_slips(&self, model: &Model<'_>, before: &Values, found: &mut ModelOffers) {
+        let mut all = self.evidence.iter();
+        let Some(own) = all.find(|piece| piece.id == model.evidence) else {
+            return;
+        };
+        let Ok(read) = Read::new(model.text) else {
+            return;
+        };
+        let explains_all = |values: &Values| {
+            let left = self.most_disagreement(&own.id, values);
+            left.is_none_or(|(_, left)| left <= STRONG)
+        };
+        let is_enough = |changed: &Changed| {
+            let trial = self.tried(&own.id, before, changed.at_last());
+            !trial.is_harmful() && !trial.repairs.is_empty() && explains_all(changed.at_last())
+        };
+        if self.in_conflict(own, before).is_empty()
+            || found.changes.iter().any(|(_, it)| is_enough(it))
+        {
+            return;
+        }
+        let affordable = MOST_WORK / model.states.unwrap_or(1).max(1);
+        let most = MOST_CHANGES.min(usize::try_from(affordable).unwrap_or(MOST_CHANGES));
+        let made = slips(&read).into_iter().take(most);
+        let tried = made.filter_map(|(kind, change)| {
+            let text = change.make(&read).ok()?;
+            let values = model.solver.values(&text).ok()?;
+            Some(Tried {
+                change: (change, text),
+                kind,
+                values,
+            })
+        });
+        let mut explaining = self.explaining(own, before, tried.collect());
+        explaining.retain(|it| explains_all(&it.values));
+        self.put_first((model, own), before, explaining, found);
+    }
+}
+
+impl Rewriting for Slip {
+    fn in_words(&self, text: &str) -> String {
+        self.words(text)
+    }
+
+    fn line(&self, text: &str) -> Option<u32> {
+        Self::line(self, text)
+    }
+
+    fn note(&self, others: usize) -> String {
+        format!(
+            "No number was fitted for it: {}. Nothing in the text says so, but that it explains all that disagrees. {}.",
+            self.supposed(),
+            others_tried(others)
+        )
+    }
+
+    fn offered(self, subject: Subject, counts: Counts, tried: usize) -> ModelChange {
+        ModelChange::Slip {
+            subject,
+            change: self,
+            counts,
+            tried,
+        }
+    }
+}
+
+/// The model with the change, solved.
+pub(crate) fn with(text: &str, solver: &dyn Solver, change: &Slip) -> Result<Changed, Refusal> {
+    let read = Read::new(text)?;
+    let new = change.make(&read)?;
+    Ok(Changed {
+        what: change.words(text),
+        values: solver.values(&new)?,
+        text: new,
+        constant: None,
+        notes: Vec::new(),
+        alternatives: Vec::new(),
+        settled: None,
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,386 @@
+//! The slips that a model's text leaves room for.
+
+use super::{NEAR_BY, Slip};
+use crate::draws;
+use crate::model_change::Read;
+use crate::number::commands;
+use prism_lang::Span;
+use prism_lang::ast::{
+    Assignment, BinaryOp, Expr, ExprKind, ModuleBody, Type, UnaryOp, VariableRange,
+};
+use prism_lang::edit;
+use std::collections::BTreeSet;
+
+/// How far a whole number is moved.
+const STEPS: [i64; 4] = [1, -1, 2, -2];
+
+/// All of them with their kinds, those of few places first.
+pub(super) fn slips(read: &Read<'_>) -> Vec<(u8, Slip)> {
+    let of = |kind: u8, all: Vec<Slip>| all.into_iter().map(move |it| (kind, it));
+    of(0, whole_numbers(read))
+        .chain(of(1, moved_bounds(read)))
+        .chain(of(2, parts(read)))
+        .chain(of(3, exchanges(read)))
+        .chain(of(4, redirected(read)))
+        .collect()
+}
+
+/// A part of a guard or formula, and what else may have been meant.
+pub(super) struct Part {
+    /// Where it stands.
+    pub(super) whole: Span,
+    /// What may stand in its place.
+    pub(super) others: Vec<String>,
+}
+
+/// A number that a guard or formula compares a variable with.
+pub(super) struct Bound {
+    pub(super) variable: String,
+    pub(super) value: i64,
+    pub(super) span: Span,
+}
+
+fn is_comparison(operator: BinaryOp) -> bool {
+    matches!(operator, BinaryOp::Equal | BinaryOp::NotEqual) || is_order(operator)
+}
+
+fn is_order(operator: BinaryOp) -> bool {
+    matches!(
+        operator,
+        BinaryOp::Less | BinaryOp::LessEqual | BinaryOp::Greater | BinaryOp::GreaterEqual
+    )
+}
+
+/// All guards, and the bodies of formulas, in the order of the text.
+fn conditions<'r>(read: &'r Read<'_>) -> Vec<&'r Expr> {
+    let guards = commands(&read.tree).into_iter().map(|it| &it.guard);
+    let formulas = read.tree.formulas.iter().map(|it| &it.body);
+    let mut all: Vec<&Expr> = guards.chain(formulas).collect();
+    all.sort_by_key(|it| it.span.start);
+    all
+}
+
+/// Every operation between two operands in an expression.
+fn each_operation<'e>(expr: &'e Expr, then: &mut dyn FnMut(&'e Expr)) {
+    match &expr.kind {
+        ExprKind::Binary(_, left, right) => {
+            then(expr);
+            each_operation(left, then);
+            each_operation(right, then);
+        }
+        ExprKind::Unary(_, inner) => {
+            then(expr);
+            each_operation(inner, then);
+        }
+        ExprKind::Name(_) => then(expr),
+        ExprKind::IfThenElse(condition, one, other) => {
+            for part in [condition, one, other] {
+                each_operation(part, then);
+            }
+        }
+        ExprKind::Call(_, all) => {
+            for part in all {
+                each_operation(part, then);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// All numbers that guards and formulas compare variables with.
+pub(super) fn bounds(read: &Read<'_>) -> Vec<Bound> {
+    let mut found = Vec::new();
+    for condition in conditions(read) {
+        each_operation(condition, &mut |expr| {
+            let ExprKind::Binary(operator, left, right) = &expr.kind else {
+                return;
+            };
+            let sides = [(left, right), (right, left)];
+            let known = sides
+                .into_iter()
+                .find_map(|(own, other)| match (&own.kind, &other.kind) {
+                    (ExprKind::Name(name), ExprKind::Int(value)) => Some(Bound {
+                        variable: name.clone(),
+                        value: *value,
+                        span: other.span,
+                    }),
+                    _ => None,
+                });
+            found.extend(known.filter(|_| is_comparison(*operator)));
+        });
+    }
+    found
+}
+
+/// The numbers that stand in several comparisons of a variable, one of which is of order: what is compared for equality alone is a name
+/// of a state.
+fn moved_bounds(read: &Read<'_>) -> Vec<Slip> {
+    let all = bounds(read);
+    let distinct: BTreeSet<(String, i64)> = all
+        .iter()
+        .map(|it| (it.variable.clone(), it.value))
+        .collect();
+    let ordered = ordered_names(read);
+    let several = distinct.into_iter().filter(|(variable, value)| {
+        let places = all
+            .iter()
+            .filter(|it| it.variable == *variable && it.value == *value);
+        places.count() > 1 && ordered.contains(variable)
+    });
+    several
+        .flat_map(|(variable, old)| {
+            [1, -1].map(|step| Slip::Bound {
+                variable: variable.clone(),
+                old,
+                new: old + step,
+            })
+        })
+        .collect()
+}
+
+/// What is compared by order, or counted with.
+fn ordered_names(read: &Read<'_>) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    let mut add = |expr: &Expr| {
+        if let ExprKind::Binary(operator, left, right) = &expr.kind
+            && (is_order(*operator) || matches!(operator, BinaryOp::Plus | BinaryOp::Minus))
+        {
+            for side in [left, right] {
+                if let ExprKind::Name(name) = &side.kind {
+                    names.insert(name.clone());
+                }
+            }
+        }
+    };
+    for condition in conditions(read) {
+        each_operation(condition, &mut add);
+    }
+    let all = commands(&read.tree);
+    let updates = all.iter().flat_map(|it| &it.updates);
+    for assignment in updates.flat_map(|it| &it.assignments) {
+        each_operation(&assignment.value, &mut add);
+    }
+    names
+}
+
+fn whole_numbers(read: &Read<'_>) -> Vec<Slip> {
+    let ordered = ordered_names(read);
+    let is_end = |name: &str| {
+        let mut ranges = crate::idle::declared(read).filter_map(|it| match &it.range {
+            VariableRange::Int { low, high } => Some([low, high]),
+            _ => None,
+        });
+        ranges.any(|ends| {
+            ends.iter()
+                .any(|it| matches!(&it.kind, ExprKind::Name(own) if own == name))
+        })
+    };
+    let mut found = Vec::new();
+    for constant in &read.tree.constants {
+        let name = &constant.name.text;
+        let written = constant
+            .value
+            .as_ref()
+            .filter(|_| constant.ty == Type::Int);
+        let Some(old) = written.and_then(|it| draws::value_of(it, None, &read.model)) else {
+            continue;
+        };
+        if ordered.contains(name) || is_end(name) {
+            let moved = STEPS.into_iter().filter(|step| old + step >= 0);
+            found.extend(moved.map(|step| Slip::Whole {
+                constant: name.clone(),
+                old,
+                new: old + step,
+            }));
+        }
+    }
+    found
+}
+
+/// The parts of guards and formulas, in the order of the text.
+pub(super) fn places(read: &Read<'_>) -> Vec<Part> {
+    let written = |span: Span| &read.text[span.start..span.end];
+    let mut found: Vec<Part> = Vec::new();
+    for condition in conditions(read) {
+        each_operation(condition, &mut |expr| {
+            let others = match &expr.kind {
+                ExprKind::Binary(operator, left, right) => {
+                    others_of_operation(read, expr, *operator, [left, right])
+                }
+                ExprKind::Unary(UnaryOp::Not, inner) => match &inner.kind {
+                    ExprKind::Name(_) => vec![written(inner.span).to_owned()],
+                    _ => Vec::new(),
+                },
+                ExprKind::Name(name) if is_boolean(read, name) => vec![format!("!{name}")],
+                _ => Vec::new(),
+            };
+            if !others.is_empty() {
+                found.push(Part {
+                    whole: expr.span,
+                    others,
+                });
+            }
+        });
+    }
+    // A denied name is a part as a whole, not the name in it as well.
+    let denied: Vec<Span> = found
+        .iter()
+        .map(|it| it.whole)
+        .filter(|it| written(*it).starts_with('!'))
+        .collect();
+    found.retain(|it| {
+        !denied
+            .iter()
+            .any(|of| of.start < it.whole.start && it.whole.end == of.end)
+    });
+    found
+}
+
+fn is_boolean(read: &Read<'_>, name: &str) -> bool {
+    let mut all = crate::idle::declared(read);
+    all.any(|it| it.name.text == name && matches!(it.range, VariableRange::Bool))
+}
+
+fn others_of_operation(
+    read: &Read<'_>,
+    expr: &Expr,
+    operator: BinaryOp,
+    [left, right]: [&Expr; 2],
+) -> Vec<String> {
+    use BinaryOp::{And, Equal, Greater, GreaterEqual, Less, LessEqual, NotEqual, Or};
+    let signs: &[&str] = match operator {
+        And => &["|"],
+        Or => &["&"],
+        Equal => &["!="],
+        NotEqual => &["="],
+        Less => &["<=", ">=", ">"],
+        LessEqual => &["<", ">", ">="],
+        Greater => &[">=", "<=", "<"],
+        GreaterEqual => &[">", "<", "<="],
+        _ => return Vec::new(),
+    };
+    let now = match operator {
+        And => "&",
+        Or => "|",
+        Equal => "=",
+        NotEqual => "!=",
+        Less => "<",
+        LessEqual => "<=",
+        Greater => ">",
+        GreaterEqual => ">=",
+        _ => return Vec::new(),
+    };
+    // Between the operands stand parentheses, blanks and the sign.
+    let between = &read.text[left.span.end..right.span.start];
+    let Some(at) = between.find(now) else {
+        return Vec::new();
+    };
+    let sign = left.span.end + at;
+    let with = |place: Span, text: &str| {
+        format!(
+            "{}{text}{}",
+            &read.text[expr.span.start..place.start],
+            &read.text[place.end..expr.span.end]
+        )
+    };
+    let sign = Span::new(sign, sign + now.len());
+    let mut others: Vec<String> = signs.iter().map(|it| with(sign, it)).collect();
+    if is_comparison(operator) {
+        for side in [left, right] {
+            if let ExprKind::Int(value) = side.kind {
+                others.extend([1, -1].map(|step| with(side.span, &(value + step).to_string())));
+            }
+        }
+    }
+    others
+}
+
+fn parts(read: &Read<'_>) -> Vec<Slip> {
+    let all = places(read).into_iter().enumerate();
+    all.flat_map(|(place, part)| {
+        let old = read.text[part.whole.start..part.whole.end].to_owned();
+        part.others.into_iter().map(move |new| Slip::Guard {
+            place,
+            old: old.clone(),
+            new,
+        })
+    })
+    .collect()
+}
+
+/// Commands that are near each other in one module and have other guards.
+fn exchanges(read: &Read<'_>) -> Vec<Slip> {
+    let mut found = Vec::new();
+    let mut first = 0;
+    for module in &read.tree.modules {
+        let ModuleBody::Written { commands: own, .. } = &module.body else {
+            continue;
+        };
+        let written = |at: usize| {
+            let guard = own[at].guard.span;
+            &read.text[guard.start..guard.end]
+        };
+        for one in 0..own.len() {
+            let near = (one + 1..own.len()).take(NEAR_BY);
+            let others = near.filter(|other| written(one) != written(*other));
+            found.extend(others.map(|other| Slip::Exchange {
+                commands: [first + one, first + other],
+            }));
+        }
+        first += own.len();
+    }
+    found
+}
+
+/// Updates that do what others of their module do, give a variable another of its values, or leave an assignment out.
+pub(super) fn redirected(read: &Read<'_>) -> Vec<Slip> {
+    let mut found = Vec::new();
+    let mut first = 0;
+    for module in &read.tree.modules {
+        let ModuleBody::Written { commands: own, .. } = &module.body else {
+            continue;
+        };
+        let updates = || own.iter().flat_map(|it| &it.updates);
+        let outcomes: BTreeSet<String> = updates().map(|it| edit::outcome(read.text, it)).collect();
+        let written = |it: &Assignment| {
+            let value = it.value.span;
+            (
+                it.variable.text.clone(),
+                read.text[value.start..value.end].to_owned(),
+            )
+        };
+        let values: BTreeSet<(String, String)> = updates()
+            .flat_map(|it| &it.assignments)
+            .map(written)
+            .collect();
+        for (place, command) in own.iter().enumerate() {
+            for (number, update) in command.updates.iter().enumerate() {
+                let now = edit::outcome(read.text, update);
+                let with = values
+                    .iter()
+                    .map(|(name, value)| edit::with_value(read.text, update, name, value));
+                let without = (0..update.assignments.len()).map(|gone| {
+                    let kept = update
+                        .assignments
+                        .iter()
+                        .enumerate()
+                        .filter(|(at, _)| *at != gone);
+                    let kept: Vec<String> = kept
+                        .map(|(_, it)| written(it))
+                        .map(|(name, value)| format!("({name}'={value})"))
+                        .collect();
+                    kept.join(" & ")
+                });
+                let all = with.chain(outcomes.iter().cloned()).chain(without);
+                let all: BTreeSet<String> = all.filter(|to| *to != now && !to.is_empty()).collect();
+                found.extend(all.into_iter().map(|to| Slip::Elsewhere {
+                    command: first + place,
+                    update: number,
+                    to,
+                }));
+            }
+        }
+        first += own.len();
+    }
+    found
+}
