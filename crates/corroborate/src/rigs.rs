@@ -170,11 +170,7 @@ pub fn in_engine(
 ///
 /// # Errors
 /// As [`in_engine`].
-pub fn in_other_engine(
-    study: &Study,
-    entry: &Entry,
-    host: &Host,
-) -> Result<Box<dyn Rig>, Problem> {
+pub fn in_other_engine(study: &Study, entry: &Entry, host: &Host) -> Result<Box<dyn Rig>, Problem> {
     let own = entry.work.simulated().and_then(Simulated::engine);
     in_engine(study, entry, own.unwrap_or_default().other(), host)
 }

@@ -278,15 +278,18 @@ impl Ground<'_> {
         }
         let affordable = MOST_WORK / model.states.unwrap_or(1).max(1);
         let most = MOST_CHANGES.min(usize::try_from(affordable).unwrap_or(MOST_CHANGES));
-        let made = changes(&read).into_iter().take(most).filter_map(|(kind, change)| {
-            let text = change.make(&read).ok()?;
-            let values = model.solver.values(&text).ok()?;
-            Some(Tried {
-                change: (change, text),
-                kind,
-                values,
-            })
-        });
+        let made = changes(&read)
+            .into_iter()
+            .take(most)
+            .filter_map(|(kind, change)| {
+                let text = change.make(&read).ok()?;
+                let values = model.solver.values(&text).ok()?;
+                Some(Tried {
+                    change: (change, text),
+                    kind,
+                    values,
+                })
+            });
         // That the text says the value speaks for it, whatever the number of places.
         let explaining = self.explaining_above(f64::NEG_INFINITY, own, before, made.collect());
         self.put_first((model, own), before, explaining, found);

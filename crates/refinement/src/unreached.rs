@@ -250,12 +250,7 @@ impl Ground<'_> {
             })
             .collect();
         found.changes.splice(0..0, made);
-        let prefix = match subject {
-            Subject::Requirement(id) => format!("requirement {id} of {}: ", model.evidence),
-            Subject::FailureMode(id) => {
-                format!("{} of {}: ", id.replace('_', " "), model.evidence)
-            }
-        };
+        let prefix = format!("{} of {}: ", subject.in_words(), model.evidence);
         found.refused.retain(|it| !it.starts_with(&prefix));
     }
 }

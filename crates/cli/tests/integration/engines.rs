@@ -119,9 +119,8 @@ fn an_entry_of_the_ledger_is_run_in_the_engine_that_it_names() {
     ] {
         std::fs::write(folder.path().join(name), text).expect("written");
     }
-    let without_library = |arguments: &[&str]| {
-        said(command(folder.path(), arguments).env("CORROBORATE_MUJOCO", ""))
-    };
+    let without_library =
+        |arguments: &[&str]| said(command(folder.path(), arguments).env("CORROBORATE_MUJOCO", ""));
     let ran = without_library(&["run", ".", "--quiet"]);
     assert!([0, 3].contains(&ran.code), "{ran:?}");
     let evidence = support::read(&folder.path().join("results/evidence/S1.json"));
@@ -135,7 +134,7 @@ fn an_entry_of_the_ledger_is_run_in_the_engine_that_it_names() {
     // Another engine than the two is no engine, and what has none takes no such key.
     let ledger = folder.path().join("ledger.toml");
     std::fs::write(&ledger, FALLING_LEDGER.replace("rapier", "bullet")).expect("written");
-    let refused = without_library(&["validate", "."]);
+    let refused = without_library(&["plan", "."]);
     assert_eq!(refused.code, 2, "{refused:?}");
     assert!(
         refused.talk.contains("ledger.toml:8") && refused.talk.contains("mujoco"),

@@ -94,7 +94,8 @@ fn a_whole_number_that_is_one_less_is_named() {
 
 #[test]
 fn a_limit_that_two_guards_share_is_moved_in_both() {
-    let old = "looks<most -> sees : (s'=read) + 1-sees : (looks'=looks+1);\n  [] s=look & looks>=most";
+    let old =
+        "looks<most -> sees : (s'=read) + 1-sees : (looks'=looks+1);\n  [] s=look & looks>=most";
     let (line, diff) = first(old, &old.replace("most", "2"));
     assert_eq!(line, 14, "{diff}");
     assert!(
@@ -119,7 +120,8 @@ fn guards_that_two_commands_have_of_each_other_change_places() {
 fn a_wrong_number_is_not_taken_for_a_slip() {
     let folder = study("sees = 0.6", "sees = 0.45");
     let offered = folder.json("refine");
-    let title = offered["proposals"][0]["title"].as_str().unwrap_or_default();
+    let title = offered["proposals"][0]["title"]
+        .as_str()
+        .unwrap_or_default();
     assert!(title.contains("sees set to 0.6"), "{offered}");
 }
-

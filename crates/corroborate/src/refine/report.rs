@@ -143,16 +143,12 @@ fn write_proposal(text: &mut String, proposal: &Proposal) -> std::fmt::Result {
 
 /// What a change repairs, and what it breaks.
 fn trial_words(trial: &Trial) -> Vec<String> {
-    let name = |subject: &Subject| match subject {
-        Subject::Requirement(id) => format!("requirement {id}"),
-        Subject::FailureMode(id) => id.replace('_', " "),
-    };
     let listed = |touches: &[Touch]| {
         let words = touches.iter().map(|it| {
             format!(
                 "{} on {} (Bayes factor 10^{:.1} -> 10^{:.1})",
                 it.evidence,
-                name(&it.subject),
+                it.subject.in_words(),
                 it.before,
                 it.after
             )
@@ -173,7 +169,11 @@ fn trial_words(trial: &Trial) -> Vec<String> {
         ));
     }
     if !trial.against_majority.is_empty() {
-        let subjects: Vec<String> = trial.against_majority.iter().map(name).collect();
+        let subjects: Vec<String> = trial
+            .against_majority
+            .iter()
+            .map(Subject::in_words)
+            .collect();
         lines.push(format!(
             "WARNING: moves away from the majority of the independent evidence on {}.",
             subjects.join(", ")
@@ -183,10 +183,7 @@ fn trial_words(trial: &Trial) -> Vec<String> {
 }
 
 fn effect_words(effect: &Effect) -> String {
-    let name = match &effect.subject {
-        Subject::Requirement(id) => format!("requirement {id}"),
-        Subject::FailureMode(id) => id.replace('_', " "),
-    };
+    let name = effect.subject.in_words();
     let value = |value: Option<f64>| match value {
         Some(value) => format!("{value:.6}"),
         None => "not expressible".to_owned(),

@@ -178,10 +178,7 @@ fn whole_numbers(read: &Read<'_>) -> Vec<Slip> {
     let mut found = Vec::new();
     for constant in &read.tree.constants {
         let name = &constant.name.text;
-        let written = constant
-            .value
-            .as_ref()
-            .filter(|_| constant.ty == Type::Int);
+        let written = constant.value.as_ref().filter(|_| constant.ty == Type::Int);
         let Some(old) = written.and_then(|it| draws::value_of(it, None, &read.model)) else {
             continue;
         };

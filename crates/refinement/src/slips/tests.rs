@@ -59,7 +59,10 @@ fn limits_are_moved_wherever_they_stand() {
     for (kind, wanted) in [
         (0, "const int most = 3;"),
         (0, "const int most = 0;"),
-        (1, "(turns<5) & !wet -> 0.5 : (s'=1) + 0.5 : (turns'=turns+1);\n  [] s=0 & (turns>=5 | wet)"),
+        (
+            1,
+            "(turns<5) & !wet -> 0.5 : (s'=1) + 0.5 : (turns'=turns+1);\n  [] s=0 & (turns>=5 | wet)",
+        ),
         (2, "(turns<=4) & !wet"),
         (2, "(turns>4) & !wet"),
         (2, "(turns<3) & !wet"),
@@ -72,18 +75,29 @@ fn limits_are_moved_wherever_they_stand() {
         (3, "[] s=0 & (turns>=4 | wet) -> 0.5 : (s'=1)"),
         (3, "[] (s=0) & (turns<4) & !wet -> (s'=2);"),
     ] {
-        let found = made.iter().any(|(of, text)| *of == kind && text.contains(wanted));
+        let found = made
+            .iter()
+            .any(|(of, text)| *of == kind && text.contains(wanted));
         assert!(found, "no {wanted} of kind {kind}");
     }
     // Each is a text of its own that can be read, and only what is compared by order or ends a range is moved.
-    assert!(made.iter().all(|(_, text)| Read::new(text).is_ok() || text.contains("away = ")));
+    assert!(
+        made.iter()
+            .all(|(_, text)| Read::new(text).is_ok() || text.contains("away = "))
+    );
     assert!(made.iter().all(|(_, text)| text != TURNS));
 }
 
 #[test]
 fn names_of_states_are_no_limits() {
-    let text = TURNS.replace("[0..away]", "[0..3]").replace("s>0", "s=1 | s=2");
+    let text = TURNS
+        .replace("[0..away]", "[0..3]")
+        .replace("s>0", "s=1 | s=2");
     let made = all_made(&text);
     assert!(made.iter().all(|(_, it)| it.contains("away = 3;")));
-    assert!(made.iter().filter(|(kind, _)| *kind == 1).all(|(_, it)| it.contains("s=1 | s=2")));
+    assert!(
+        made.iter()
+            .filter(|(kind, _)| *kind == 1)
+            .all(|(_, it)| it.contains("s=1 | s=2"))
+    );
 }

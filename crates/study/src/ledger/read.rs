@@ -1,6 +1,9 @@
 //! Reads `ledger.toml` and holds it against the rest of the study.
 
-use super::{Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, SceneEngine, UntilText, Work};
+use super::{
+    Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, SceneEngine, UntilText,
+    Work,
+};
 use crate::{About, Forms, Texts};
 use diagnostic::{Problem, Problems, Source, did_you_mean};
 use evidence::{Calibration, Subject};

@@ -491,7 +491,11 @@ impl Reader<'_> {
         Ok(Work::SimulateScene {
             scene: self.existing(scene)?,
             test: text.test.as_ref().map(|test| test.get_ref().clone()),
-            engine: text.engine.as_ref().map(|it| *it.get_ref()).unwrap_or_default(),
+            engine: text
+                .engine
+                .as_ref()
+                .map(|it| *it.get_ref())
+                .unwrap_or_default(),
             episodes,
         })
     }
