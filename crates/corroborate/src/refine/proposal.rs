@@ -11,13 +11,14 @@ use super::one_value::OneValue;
 use super::simulator::Recalibration;
 use super::solver::Solver;
 use diagnostic::Problem;
-use evidence::{StudyResult, Subject};
+use evidence::{Evidence, Measure, StudyResult, Subject};
 use refinement::{
     Asked, Changed, Counts, Exchange, FormChange, Ground, Model, ModelChange, ModelOffers,
     TextChange, Trial, Values, Word, unified,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use study::{Entry, Simulated, Study, quoted_names};
 use words::{alone, hides, reason, remains};
@@ -173,19 +174,37 @@ pub struct Fitted {
     pub subject: Subject,
 }
 
-/// The current evidence of each technique: the last in the ledger under each
-/// condition.
-pub fn current(study: &Study) -> Vec<&Entry> {
-    let mut found: Vec<&Entry> = Vec::new();
-    for entry in study.ledger.iter().filter(|entry| !entry.intermediate) {
-        let technique = entry.work.technique();
-        if entry.work.model().is_none() && !is_simulated(entry) {
-            continue;
+/// The models and simulations that are current: those that say something of a subject of which none behind them in the ledger, of the
+/// same technique and under the same conditions, says anything. A later version of a model speaks of all that the earlier one does; a
+/// model of another part of the system does not, and takes no place but its own.
+pub fn current<'s>(study: &'s Study, evidence: &[Evidence]) -> Vec<&'s Entry> {
+    let is_meant = |entry: &&Entry| {
+        !entry.intermediate && (entry.work.model().is_some() || is_simulated(entry))
+    };
+    let all: Vec<&Entry> = study.ledger.iter().filter(is_meant).collect();
+    let spoken_of = |entry: &Entry| -> BTreeSet<&Subject> {
+        let piece = evidence.iter().find(|piece| piece.id == entry.id);
+        let findings = piece.into_iter().flat_map(|piece| &piece.findings);
+        let said = findings.filter(|it| match it.measure {
+            Measure::Counts { .. } | Measure::Probability { .. } => true,
+            Measure::NotCovered { .. } | Measure::NotExpressible { .. } => false,
+        });
+        said.map(|it| &it.subject).collect()
+    };
+    let is_current = |(place, entry): (usize, &&Entry)| {
+        let behind = all.iter().skip(place + 1).filter(|other| {
+            other.work.technique() == entry.work.technique()
+                && other.conditions == entry.conditions
+        });
+        let mut behind = behind.peekable();
+        if behind.peek().is_none() {
+            return true;
         }
-        found.retain(|o| o.work.technique() != technique || o.conditions != entry.conditions);
-        found.push(entry);
-    }
-    found
+        let taken_over: BTreeSet<&Subject> = behind.flat_map(|it| spoken_of(it)).collect();
+        !spoken_of(entry).is_subset(&taken_over)
+    };
+    let current = all.iter().enumerate().filter(|it| is_current(*it));
+    current.map(|(_, entry)| *entry).collect()
 }
 
 /// Whether parameters of a simulation may be fitted.

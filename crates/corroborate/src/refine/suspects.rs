@@ -31,7 +31,7 @@ pub fn offered(
     host: &Host,
 ) -> Result<Offered, Problem> {
     let mut sources = Vec::new();
-    for entry in current(study) {
+    for entry in current(study, &result.evidence) {
         if let Some(model) = entry.work.model() {
             let source = texts::read(study, model)?;
             sources.push((entry, model, source.text, solver.at(model)));
@@ -51,7 +51,7 @@ pub fn offered(
         .iter()
         .map(|(entry, path, text, _)| Asset { entry, path, text });
     let assets: Vec<Asset<'_>> = assets.collect();
-    let simulations = current(study)
+    let simulations = current(study, &result.evidence)
         .into_iter()
         .filter(|entry| is_simulated(entry));
     let simulations: Vec<&str> = simulations.map(|entry| entry.id.as_str()).collect();
@@ -159,7 +159,7 @@ impl Offering<'_> {
                 of_text(self.study, of, &evidence, change, &mut self.offered)?;
             }
             (Offer::Parameters { evidence, counts }, _) => {
-                let mut all = current(self.study).into_iter();
+                let mut all = current(self.study, &self.result.evidence).into_iter();
                 if let Some(entry) = all.find(|entry| entry.id == evidence) {
                     let modes: Vec<String> = counts.into_iter().map(|(mode, _)| mode).collect();
                     if let Some(command) = entry.work.command() {
@@ -351,7 +351,7 @@ fn can_be_asked(study: &Study, requirements: &str) -> Result<(), String> {
     let changed = changed.map_err(words)?;
     let never = host::Cancel::default();
     let solver = Solver::new(&changed, &never);
-    for entry in current(study) {
+    for entry in study.ledger.iter().filter(|entry| !entry.intermediate) {
         if let Some(model) = entry.work.model() {
             let source = texts::read(study, model).map_err(words)?;
             solver.values(model, &source.text).map_err(words)?;

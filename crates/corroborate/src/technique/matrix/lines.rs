@@ -98,7 +98,7 @@ impl Diagnosing<'_> {
         let apart = self.disagreements(&self.result.evidence);
         let solver = Solver::new(self.study, &self.setting.cancel);
         let mut models = Vec::new();
-        for entry in current(self.study) {
+        for entry in current(self.study, &self.result.evidence) {
             let disagrees = apart.iter().any(|((one, other, _), apart)| {
                 *apart > STRONG && [one, other].contains(&&entry.id)
             });
