@@ -190,7 +190,7 @@ impl<'a> Piece<'a> {
 
 fn conclusion(study: &Study<'_>, asked: &Asked<'_>, level: &Level) -> Conclusion {
     let judged = asked.judge(level);
-    let (verdict, step) = ladder::decide(&judged, &asked.conflicts());
+    let (verdict, step) = ladder::decide(&judged, &asked.apart());
     let confidence = study.levels.confidence;
     let together = over_the_same_runs(&asked.pieces);
     let bound = common_bound(&together, asked.threshold.direction, confidence);

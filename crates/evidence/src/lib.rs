@@ -30,6 +30,7 @@ mod looks;
 mod making;
 mod margin;
 mod measure;
+mod part;
 pub mod replay;
 mod requirement;
 mod sensitivity;
@@ -88,6 +89,7 @@ pub use ledger::{
 pub use looks::{Look, LookedAt, Looking, Looks};
 pub use margin::{DEFAULT_MARGIN, margin_of};
 pub use measure::{Worst, adds_up};
+pub use part::is_of_another_part;
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
 pub use sensitivity::{ASSUMED_GROUP, CORRELATIONS, bear_clustering};
 pub use step::{CarryOver, Step};

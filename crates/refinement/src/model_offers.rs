@@ -137,10 +137,11 @@ impl Ground<'_> {
         let rate = rate_of(before, &mode);
         let target = self.evidence.iter().find(|e| e.id == model.evidence)?;
         let subject = Subject::FailureMode(mode.clone());
-        // A model that does not speak of the opportunity lacks nothing.
+        // A model that does not speak of the opportunity lacks nothing, nor does one of another part.
         let is_outside = target
             .finding(&subject)
-            .is_some_and(|it| matches!(it.measure, Measure::NotCovered { .. }));
+            .is_some_and(|it| matches!(it.measure, Measure::NotCovered { .. }))
+            || evidence::is_of_another_part(self.evidence, target, &subject);
         if is_outside && rate.is_none() {
             return None;
         }

@@ -6,15 +6,19 @@
 //! * *elsewhere*: an update does what another one of its module does, gives a variable a value that another one gives it, or leaves an
 //!   assignment out;
 //! * *whole number*: a constant of type `int` that is compared by order or counted with is one or two more or less;
+//! * *digits*: a constant that may be a probability is one minus what is written, and a constant of type `double` ten times or a tenth of it;
+//! * *beginning*: a counter of at most [`MOST_VALUES`] values begins with another one;
 //! * *bound*: a number that guards compare a variable with in several places is one more or less in all of them, so that what
 //!   two commands share between them stays shared;
 //! * *guard*: in one guard or formula a comparison leaves out or takes in equality, is turned around or denied, its whole number is one
-//!   more or less, a Boolean variable is denied or not, `&` is `|` or the other way round;
+//!   more or less or what the variable is compared with elsewhere, a Boolean variable is denied or not, `&` is `|` or the other way
+//!   round;
 //! * *exchange*: two commands of a module, at most [`NEAR_BY`] apart, have each other's guards.
 //!
-//! Each is solved and tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts, and where each of all
-//! other changes leaves something in strong disagreement. It has to explain all, and more than the number of such changes makes likely
-//! by chance. No number is fitted.
+//! Each is solved and tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts. It has to explain all,
+//! and more than the number of such changes makes likely by chance. No number is fitted. It stands before the other changes where each
+//! of these leaves something in strong disagreement, or explains less even if a number that is solved for costs [`CHANCE`] decades alone,
+//! and before all numbers where it is one of digits, of which there are few; else behind them, where it explains about as much.
 //!
 //! # Assumes
 //! That one place is wrong. All kinds are equally likely before, and so are all changes of one kind.
@@ -32,11 +36,11 @@
 mod candidates;
 
 use crate::counts::Counts;
-use crate::idle::others_tried;
-use crate::model_change::{Changed, ModelChange, Read, Refusal, Solver, Values};
+use crate::idle::{declared, others_tried};
+use crate::model_change::{AS_GOOD, Changed, ModelChange, Read, Refusal, Solver, Values};
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
-use crate::structure::{Rewriting, Tried};
+use crate::structure::{FREE_VALUE, Rewriting, Tried};
 use candidates::{bounds, places, slips};
 use evidence::{STRONG, Subject};
 use prism_lang::Span;
@@ -51,6 +55,13 @@ const MOST_WORK: u64 = 20_000_000;
 
 /// How far two commands stand apart that may have each other's guards.
 const NEAR_BY: usize = 2;
+
+/// Values of a counter that may begin otherwise, at most.
+const MOST_VALUES: i64 = 12;
+
+/// Decades that a number which is solved for costs beside slips: the share of all values that agree as well with the counts is about a
+/// tenth. (What it costs beside changes of structure, [`FREE_VALUE`], is a guess that spares numbers less.)
+const CHANCE: f64 = 1.0;
 
 /// One slip that is taken back.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -70,6 +81,22 @@ pub enum Slip {
         constant: String,
         /// Its value.
         old: i64,
+        /// Its value then.
+        new: i64,
+    },
+    /// The value of a constant of type `double`.
+    Digits {
+        /// The constant.
+        constant: String,
+        /// Its value as it is written.
+        old: String,
+        /// What is written then.
+        new: String,
+    },
+    /// The first value of a counter.
+    Begin {
+        /// The counter.
+        variable: String,
         /// Its value then.
         new: i64,
     },
@@ -114,7 +141,8 @@ impl Slip {
     pub fn part(&self) -> String {
         match self {
             Self::Elsewhere { to, .. } => format!("an update to {to}"),
-            Self::Whole { constant, .. } => constant.clone(),
+            Self::Whole { constant, .. } | Self::Digits { constant, .. } => constant.clone(),
+            Self::Begin { variable, .. } => format!("init of {variable}"),
             Self::Bound { variable, old, .. } => format!("{old} of {variable}"),
             Self::Guard { old, .. } => old.clone(),
             Self::Exchange { .. } => "guards of two commands".to_owned(),
@@ -127,6 +155,8 @@ impl Slip {
         match self {
             Self::Elsewhere { .. } => "one update leads elsewhere",
             Self::Whole { .. } => "one whole number is another",
+            Self::Digits { .. } => "one number was written otherwise",
+            Self::Begin { .. } => "one variable begins with another value",
             Self::Bound { .. } => "one number of the guards is another",
             Self::Guard { .. } => "one part of a guard is written otherwise",
             Self::Exchange { .. } => "two commands have each other's guards",
@@ -139,6 +169,12 @@ impl Slip {
             Self::Elsewhere { to, .. } => format!("`{to}` as what an update of line {line} does"),
             Self::Whole { constant, old, new } => {
                 format!("`{constant}` is {new} in place of {old}, in line {line}")
+            }
+            Self::Digits { constant, old, new } => {
+                format!("`{constant}` is {new} in place of {old}, in line {line}")
+            }
+            Self::Begin { variable, new } => {
+                format!("`{variable}` begins with {new}, in line {line}")
             }
             Self::Bound { variable, old, new } => format!(
                 "{new} in place of {old} where guards compare `{variable}`, from line {line} on"
@@ -169,6 +205,17 @@ impl Slip {
             Self::Whole { constant, new, .. } => {
                 edit::set_constant(&read.tree, constant, &new.to_string())
                     .map_err(|e| e.to_string())
+            }
+            Self::Digits { constant, new, .. } => {
+                edit::set_constant(&read.tree, constant, new).map_err(|e| e.to_string())
+            }
+            Self::Begin { variable, new } => {
+                let mut all = declared(read);
+                let init = all
+                    .find(|it| it.name.text == *variable)
+                    .and_then(|it| it.init.as_ref());
+                let init = init.ok_or("the model says no beginning of it")?;
+                Ok(vec![Edit::replace(init.span, new.to_string())])
             }
             Self::Bound { variable, old, new } => {
                 let all = bounds(read);
@@ -234,13 +281,7 @@ impl Ground<'_> {
             let left = self.most_disagreement(&own.id, values);
             left.is_none_or(|(_, left)| left <= STRONG)
         };
-        let is_enough = |changed: &Changed| {
-            let trial = self.tried(&own.id, before, changed.at_last());
-            !trial.is_harmful() && !trial.repairs.is_empty() && explains_all(changed.at_last())
-        };
-        if self.in_conflict(own, before).is_empty()
-            || found.changes.iter().any(|(_, it)| is_enough(it))
-        {
+        if self.in_conflict(own, before).is_empty() {
             return;
         }
         let affordable = MOST_WORK / model.states.unwrap_or(1).max(1);
@@ -257,7 +298,31 @@ impl Ground<'_> {
         });
         let mut explaining = self.explaining(own, before, tried.collect());
         explaining.retain(|it| explains_all(&it.values));
-        self.put_first((model, own), before, explaining, found);
+        let Some(best) = explaining.first().map(|it| it.weight) else {
+            return;
+        };
+        let is_enough = |changed: &Changed| {
+            let trial = self.tried(&own.id, before, changed.at_last());
+            !trial.is_harmful() && !trial.repairs.is_empty() && explains_all(changed.at_last())
+        };
+        let enough = found
+            .changes
+            .iter()
+            .map(|it| &it.1)
+            .filter(|it| is_enough(it));
+        // As if they cost less.
+        let most = self.heaviest(own, before, enough) + FREE_VALUE - CHANCE;
+        if best >= most {
+            self.put_first((model, own), before, explaining, found);
+            return;
+        }
+        let (digits, others): (Vec<_>, Vec<_>) = explaining
+            .into_iter()
+            .partition(|it| matches!(it.change.0, Slip::Digits { .. }));
+        self.put_first((model, own), before, digits, found);
+        if best >= most - AS_GOOD {
+            self.put_last((model, own), others, found);
+        }
     }
 }
 

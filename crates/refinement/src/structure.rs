@@ -34,7 +34,7 @@
 use crate::counts::{Counts, anchors};
 use crate::model_change::{AS_GOOD, Alternative, Changed, ModelChange, Values, value_of};
 use crate::model_offers::{Ground, Model, ModelOffers};
-use evidence::{Evidence, Measure, Outcome, Rate, STRONG, Subject, signed_strength};
+use evidence::{Evidence, Guarantee, Measure, Outcome, Rate, STRONG, Subject, signed_strength};
 use std::collections::BTreeMap;
 
 /// Decades against a number that is solved for: it makes one rate agree whatever the truth is.
@@ -118,14 +118,22 @@ impl Ground<'_> {
     }
 
     /// Whether all comparisons of a piece with others on a subject say that they agree: of a decision process the whole range counts,
-    /// of which one end may be far from what was counted.
+    /// of which one end may be far from what was counted; one that is too wide to agree with anything contradicts nothing in it.
     fn agrees(&self, own: &Evidence, subject: &Subject) -> bool {
+        let is_range = matches!(
+            own.finding(subject).map(|finding| &finding.measure),
+            Some(Measure::Probability { answer, .. })
+                if matches!(answer.guarantee, Guarantee::Schedulers { .. })
+        );
         let all = self.comparisons.iter();
         let mut own = all
             .filter(|it| &it.subject == subject && [&it.left, &it.right].contains(&&own.id))
             .filter(|it| it.outcome != Outcome::NotComparable)
             .peekable();
-        own.peek().is_some() && own.all(|it| it.outcome == Outcome::Corroborates)
+        own.peek().is_some()
+            && own.all(|it| {
+                it.outcome == Outcome::Corroborates || is_range && it.outcome != Outcome::Conflicts
+            })
     }
 
     /// Whether counts leave room for a value: no exact test of one of them, nor of all together, rejects it at [`UNLIKELY`].
@@ -334,6 +342,26 @@ impl Ground<'_> {
         if self.heaviest(own, before, others) > best + AS_GOOD {
             return;
         }
+        let made = self.written((model, own), explaining);
+        found.changes.splice(0..0, made);
+    }
+
+    /// Puts what explains what disagrees behind the other changes of a model.
+    pub(crate) fn put_last<R: Rewriting>(
+        &self,
+        of: (&Model<'_>, &Evidence),
+        explaining: Vec<Explaining<(R, String)>>,
+        found: &mut ModelOffers,
+    ) {
+        found.changes.extend(self.written(of, explaining));
+    }
+
+    /// The first of some rewritings as changes, each with those that it is not told apart from.
+    fn written<R: Rewriting>(
+        &self,
+        (model, own): (&Model<'_>, &Evidence),
+        explaining: Vec<Explaining<(R, String)>>,
+    ) -> Vec<(ModelChange, Changed)> {
         let named = explaining.iter().map(|it| Alternative {
             name: it.change.0.in_words(model.text),
             line: it.change.0.line(model.text),
@@ -356,7 +384,6 @@ impl Ground<'_> {
             };
             Some((change.offered(subject, counts, it.tried), changed))
         });
-        let made: Vec<(ModelChange, Changed)> = made.collect();
-        found.changes.splice(0..0, made);
+        made.collect()
     }
 }

@@ -158,9 +158,9 @@ impl Ground<'_> {
             let mut most = [0.0_f64; 2];
             let contradicted = voice
                 .iter()
-                .all(|piece| self.is_contradicted(piece, &pieces, subject, values));
+                .all(|piece| self.is_contradicted(own, piece, &pieces, (subject, values)));
             for piece in voice {
-                let Some([was, is]) = self.apart(piece, subject, values) else {
+                let Some([was, is]) = self.apart(own, piece, subject, values) else {
                     continue;
                 };
                 most = [most[0].max(was), most[1].max(is)];
@@ -216,10 +216,10 @@ impl Ground<'_> {
     /// Whether a simulation disagrees strongly with evidence of the real system from which the change does not move away.
     fn is_contradicted(
         &self,
+        own: &Evidence,
         piece: &Evidence,
         pieces: &[&Evidence],
-        subject: &Subject,
-        values: [Option<f64>; 2],
+        (subject, values): (&Subject, [Option<f64>; 2]),
     ) -> bool {
         let rate = |piece: &Evidence| Rate::on(piece, subject);
         let is_real = |it: &&&Evidence| it.technique.is_of_system();
@@ -228,7 +228,7 @@ impl Ground<'_> {
                 let apart = rate(piece)
                     .zip(rate(real))
                     .map_or(0.0, |(a, b)| strength(a, b, self.margin(subject)));
-                let toward = self.apart(real, subject, values);
+                let toward = self.apart(own, real, subject, values);
                 apart > STRONG && toward.is_some_and(|[was, is]| is <= was)
             })
     }
@@ -236,20 +236,23 @@ impl Ground<'_> {
     /// How strongly a model with this value disagrees with the piece that it disagrees most with.
     pub(crate) fn strongest(&self, own: &Evidence, subject: &Subject, value: Option<f64>) -> f64 {
         let pieces = self.speaking(own, subject).into_iter();
-        let apart = pieces.filter_map(|piece| self.apart(piece, subject, [value, value]));
+        let apart = pieces.filter_map(|piece| self.apart(own, piece, subject, [value, value]));
         apart.map(|[apart, _]| apart).fold(0.0, f64::max)
     }
 
-    /// How strongly a piece disagrees with two values; a failure mode that a model cannot express never occurs there.
+    /// How strongly a piece disagrees with two values; a failure mode that a model cannot express never occurs there, unless the model
+    /// is one of another part.
     fn apart(
         &self,
+        own: &Evidence,
         piece: &Evidence,
         subject: &Subject,
         values: [Option<f64>; 2],
     ) -> Option<[f64; 2]> {
         let theirs = Rate::on(piece, subject)?;
         let margin = self.margin(subject);
-        let is_mode = matches!(subject, Subject::FailureMode(_));
+        let is_mode = matches!(subject, Subject::FailureMode(_))
+            && !evidence::is_of_another_part(self.evidence, own, subject);
         Some(values.map(|value| match value.or(is_mode.then_some(0.0)) {
             Some(value) => strength(Rate::claimed(value, subject), theirs, margin),
             None => 0.0,

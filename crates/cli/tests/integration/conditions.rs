@@ -116,9 +116,10 @@ fn a_decision_process_gives_a_range_over_all_schedulers_given_the_trigger() {
             (Some(0.0), Some(1.0))
         );
         let comparison = &result["comparisons"][0];
-        assert_eq!(comparison["outcome"], "corroborates", "{comparison}");
+        // From 65 to 90 %: that some scheduler comes near is no agreement of the model.
+        assert_eq!(comparison["outcome"], "inconclusive", "{comparison}");
         let reason = comparison["reason"].as_str().expect("a reason");
-        assert!(reason.contains("says little"), "{reason}");
+        assert!(reason.contains("no agreement of the model"), "{reason}");
     }
     // Beyond the best scheduler, and below the worst one.
     for passed in [60, 12] {

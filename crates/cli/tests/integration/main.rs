@@ -46,6 +46,7 @@ mod planted_forms;
 mod planted_idle;
 mod planted_lacking;
 mod planted_numbers;
+mod planted_phrases;
 mod planted_places;
 mod planted_slips;
 mod planted_structure;

@@ -115,6 +115,21 @@ fn guards_that_two_commands_have_of_each_other_change_places() {
     assert!(diff.contains("+  [] s=read & !large -> 0.9 :"), "{diff}");
 }
 
+#[test]
+fn a_limit_in_one_guard_is_the_one_that_stands_elsewhere() {
+    let old = "looks<most -> sees";
+    let (line, diff) = first(old, "looks<1 -> sees");
+    assert_eq!(line, 14, "{diff}");
+    assert!(diff.contains("+  [] s=look & looks<most -> sees"), "{diff}");
+}
+
+#[test]
+fn a_complement_that_was_written_for_the_value_is_named() {
+    let (line, diff) = first("sees = 0.6", "sees = 0.4");
+    assert_eq!(line, 8, "{diff}");
+    assert!(diff.contains("+const double sees = 0.6;"), "{diff}");
+}
+
 /// A number that explains all is offered, and no guard that would do as well is guessed.
 #[test]
 fn a_wrong_number_is_not_taken_for_a_slip() {

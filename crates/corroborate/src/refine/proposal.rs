@@ -193,8 +193,7 @@ pub fn current<'s>(study: &'s Study, evidence: &[Evidence]) -> Vec<&'s Entry> {
     };
     let is_current = |(place, entry): (usize, &&Entry)| {
         let behind = all.iter().skip(place + 1).filter(|other| {
-            other.work.technique() == entry.work.technique()
-                && other.conditions == entry.conditions
+            other.work.technique() == entry.work.technique() && other.conditions == entry.conditions
         });
         let mut behind = behind.peekable();
         if behind.peek().is_none() {

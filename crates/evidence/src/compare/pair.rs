@@ -219,7 +219,10 @@ impl Pair {
             return String::new();
         };
         let meaning = match width > self.margin {
-            true => ", more than the margin: agreement with so wide a range says little",
+            true if self.is_too_wide() => {
+                ", more than the margin: that some scheduler comes so near is no agreement of the model"
+            }
+            true => ", more than the margin: agreement of so wide ranges says little",
             false => "",
         };
         format!(
@@ -583,8 +586,21 @@ impl Pair {
         }
     }
 
-    /// Whether equivalence is shown, of the p-value where there is one and by the posterior probability otherwise.
+    /// Whether one side alone is a range over all schedulers, and wider than the margin: that some scheduler comes near a rate does not
+    /// make the model equivalent to it, of which other schedulers are farther than the margin away.
+    pub fn is_too_wide(&self) -> bool {
+        match [&self.first, &self.second].map(Belief::width_of_range) {
+            [Some(width), None] | [None, Some(width)] => width > self.margin,
+            [Some(_), Some(_)] | [None, None] => false,
+        }
+    }
+
+    /// Whether equivalence is shown, of the p-value where there is one and by the posterior probability otherwise; never of a range that
+    /// is too wide.
     pub fn is_shown(&self, p_equivalence: Option<f64>, level: Confidence) -> bool {
+        if self.is_too_wide() {
+            return false;
+        }
         if p_equivalence.is_none() && !self.ends.is_empty() {
             return self.ends.iter().all(|end| end.is_shown(None, level));
         }

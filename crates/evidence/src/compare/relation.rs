@@ -3,7 +3,8 @@
 //! # Definition
 //! Of a pair with margin `m`, *difference shown* (D) means that "no difference" is rejected, corrected over the study;
 //! *equivalence shown* (E) that "the difference is `m` or more" is rejected and the estimated difference is below `m`;
-//! *inside* that the estimated difference is below `m`.
+//! *inside* that the estimated difference is below `m`. Of a range over all schedulers that is wider than `m`, beside one rate, equivalence
+//! is never shown: the estimate is the value of the range that is nearest to the rate.
 //!
 //! | D | E | estimate | relation | outcome | what is wrong with at most which probability |
 //! |---|---|---|---|---|---|

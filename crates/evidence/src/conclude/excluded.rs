@@ -4,8 +4,8 @@
 //! Every piece of the ledger with a finding on a requirement either takes part in its conclusion or is listed here with the
 //! reason. One that takes part below the step that the requirement needs, and does not carry over to it, is listed, too: it
 //! is judged, and does not count there. Runs of a piece that reached no verdict are listed by
-//! piece, with what they count for, and those whose verdict leaves out what was pending at their end. For trials of the system that the study marks as intermediate, the verdict with them is found: they are not
-//! refined by what comes later, so leaving them out has to be seen.
+//! piece, with what they count for, and those whose verdict leaves out what was pending at their end. For trials of the system that the study marks as intermediate or as reproduced, and that are its own, the verdict
+//! with them is found: they are not refined by what comes later, so leaving them out has to be seen.
 //!
 //! # Assumes
 //! Nothing of the data.
@@ -45,7 +45,11 @@ pub(super) fn excluded(
                 true => below(asked, piece)?,
                 false => reason(study, asked, piece)?,
             };
-            let hidden = reason == ExclusionReason::Intermediate && is_trial(piece);
+            let is_left_out = matches!(
+                reason,
+                ExclusionReason::Intermediate | ExclusionReason::Reproduced(_)
+            );
+            let hidden = is_left_out && is_trial(piece) && !piece.published;
             let with_it = hidden.then(|| verdict_with(study, asked, level, index));
             let words = words(&piece.id, &reason, piece.one_subject())
                 + unused_declaration(asked, piece, &reason);
@@ -253,10 +257,11 @@ fn unused_declaration(
     }
 }
 
-/// The verdict if an intermediate piece took part, at the same share of the level.
+/// The verdict if a piece took part that the study leaves out, at the same share of the level.
 fn verdict_with(study: &Study<'_>, asked: &Asked<'_>, level: &Level, index: usize) -> Decided {
     let mut evidence = study.evidence.to_vec();
     evidence[index].intermediate = false;
+    evidence[index].reproduced_by = None;
     let other = Study {
         evidence: &evidence,
         ..*study
@@ -264,7 +269,7 @@ fn verdict_with(study: &Study<'_>, asked: &Asked<'_>, level: &Level, index: usiz
     let lineage = other.lineage();
     let with = Asked::on_other_evidence(&other, &lineage, asked);
     let level = level.shared_as(asked, &with);
-    ladder::decide(&with.judge(&level), &with.conflicts())
+    ladder::decide(&with.judge(&level), &with.apart())
 }
 
 fn words(id: &str, reason: &ExclusionReason, one: &str) -> String {

@@ -3,7 +3,7 @@
 //! # Assumes
 //! Each test holds its level. Nothing of how the tests that share a level depend on each other (Bonferroni).
 
-use super::ladder::Judged;
+use super::ladder::{Apart, Judged};
 use super::levels::{Test, divisors};
 use super::stand::{ClaimLevels, Named, can_err, doubts, stand};
 use super::transfer::{Transfer, transfers};
@@ -14,7 +14,8 @@ use super::{
 };
 use crate::compare::{Lineage, Study};
 use crate::{
-    Comparison, Direction, ErrorFamily, Evidence, Outcome, Requirement, Step, Subject, Threshold,
+    Comparison, Direction, ErrorFamily, Evidence, Outcome, Relation, Requirement, Step, Subject,
+    Threshold,
 };
 
 /// A requirement with all that is judged on it.
@@ -114,14 +115,24 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// Independent current pieces that conflict.
-    pub fn conflicts(&self) -> Vec<(String, String)> {
-        let conflicts = self.among.iter();
-        conflicts
-            // Runs with the same draws differ by what draws them not alike: the more a conflict.
-            .filter(|it| it.outcome == Outcome::Conflicts && (it.independent || it.paired))
-            .map(|it| (it.left.clone(), it.right.clone()))
-            .collect()
+    /// Independent current pieces that are shown to differ.
+    pub fn apart(&self) -> Apart {
+        let of = |wanted: &dyn Fn(&Comparison) -> bool| {
+            let all = self.among.iter();
+            // Runs with the same draws differ by what draws them not alike: the more a difference.
+            all.filter(|it| wanted(it) && (it.independent || it.paired))
+                .map(|it| (it.left.clone(), it.right.clone()))
+                .collect()
+        };
+        Apart {
+            conflicts: of(&|it| it.outcome == Outcome::Conflicts),
+            within_margin: of(&|it| {
+                matches!(
+                    it.relation,
+                    Some(Relation::TrivialDifference | Relation::DifferenceWithinMargin)
+                )
+            }),
+        }
     }
 
     /// The current pieces that may decide in a group.

@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | not covered | none | nothing has a number on it |
 //! | conflicting | of the system | two trials of the system conflict and stand differently |
+//! | undecided | none | of two trials of the system that are shown to differ by less than the margin one supports it, the other leans to the other side, and none denies it |
 //! | violated | of the system | independent trials of the system deny it |
 //! | satisfied | of the system | independent trials of the system support it |
 //! | conflicting | none | two pieces conflict and stand differently |
@@ -26,7 +27,7 @@
 //!
 //! # Assumes
 //! The standings are those of tests that hold their levels, and all trials of the system under the same conditions speak of
-//! one rate.
+//! one rate. Where two are shown not to, and lie on both sides of the threshold, nothing is called satisfied.
 //!
 //! # Guarantee
 //! A verdict of the system rests on trials of the system alone, at their error rates; no number of models changes it. A verdict on a
@@ -47,10 +48,19 @@ pub(super) struct Judged {
     pub conditions: String,
 }
 
-/// The verdict on standings, with the pairs of independent pieces that conflict.
-pub(super) fn decide(judged: &[Judged], conflicts: &[(String, String)]) -> Decided {
+/// Pairs of independent pieces whose rates are shown to differ.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Apart {
+    /// Those that conflict: the estimates are the margin or more apart.
+    pub conflicts: Vec<(String, String)>,
+    /// All others.
+    pub within_margin: Vec<(String, String)>,
+}
+
+/// The verdict on standings, with the pairs of independent pieces that differ.
+pub(super) fn decide(judged: &[Judged], apart: &Apart) -> Decided {
     let here: Vec<&Judged> = judged.iter().filter(|it| !it.standing.elsewhere).collect();
-    let decided = decide_here(&here, conflicts);
+    let decided = decide_here(&here, apart);
     let elsewhere = denied_elsewhere(judged);
     match (decided, elsewhere) {
         ((Verdict::NotCovered | Verdict::Conflicting, _), _) | (_, None) => decided,
@@ -59,15 +69,18 @@ pub(super) fn decide(judged: &[Judged], conflicts: &[(String, String)]) -> Decid
     }
 }
 
-fn decide_here(here: &[&Judged], conflicts: &[(String, String)]) -> Decided {
+fn decide_here(here: &[&Judged], apart: &Apart) -> Decided {
     if here.is_empty() {
         return (Verdict::NotCovered, None);
     }
     let trials = of_steps(here, &[Step::System]);
-    if let Some(verdict) = by_trials(&trials, conflicts) {
+    if lean_apart(&trials, &apart.within_margin).is_some() {
+        return (Verdict::Undecided, None);
+    }
+    if let Some(verdict) = by_trials(&trials, &apart.conflicts) {
         return (verdict, Some(Step::System));
     }
-    if stand_differently(here, conflicts) {
+    if stand_differently(here, &apart.conflicts) {
         return (Verdict::Conflicting, None);
     }
     let models = [
@@ -103,6 +116,31 @@ fn by_trials(trials: &[&Judged], conflicts: &[(String, String)]) -> Option<Verdi
     } else {
         None
     }
+}
+
+/// Two trials of the system that are shown to differ, of which the first supports the requirement, the second leans to the other side
+/// of the threshold, and none denies it: they are not of one rate, so that one of them decides nothing of it.
+pub(super) fn lean_apart<'j>(
+    trials: &[&'j Judged],
+    differ: &[(String, String)],
+) -> Option<(&'j Judged, &'j Judged)> {
+    let of = |id: &str| trials.iter().find(|it| it.standing.evidence == id);
+    if trials
+        .iter()
+        .any(|it| it.decides && it.standing.standing == Standing::Denies)
+    {
+        return None;
+    }
+    let both = differ.iter().filter_map(|(one, other)| {
+        let (one, other) = (*of(one)?, *of(other)?);
+        [(one, other), (other, one)]
+            .into_iter()
+            .find(|(one, other)| {
+                let leans_away = other.standing.p_met < other.standing.p_not_met;
+                one.decides && one.standing.standing == Standing::Supports && leans_away
+            })
+    });
+    both.into_iter().next()
 }
 
 fn of_steps<'a>(here: &[&'a Judged], steps: &[Step]) -> Vec<&'a Judged> {
@@ -203,14 +241,14 @@ mod tests {
                 (Denies, Supports, Verdict::Violated),
             ] {
                 let pieces = [piece("M", model, says), piece("E", System, trials)];
-                assert_eq!(decide(&pieces, &[]), (verdict, Some(System)));
+                assert_eq!(decide(&pieces, &Apart::default()), (verdict, Some(System)));
             }
         }
     }
 
     #[test]
     fn a_model_alone_speaks_of_itself() {
-        let alone = |step, standing| decide(&[piece("M", step, standing)], &[]);
+        let alone = |step, standing| decide(&[piece("M", step, standing)], &Apart::default());
         assert_eq!(alone(Model, Supports), (Verdict::Satisfied, Some(Model)));
         assert_eq!(
             alone(Simulation, Denies),
@@ -218,20 +256,67 @@ mod tests {
         );
         assert_eq!(alone(Model, Neither), (Verdict::Undecided, None));
         let both = [piece("M", Model, Denies), piece("S", Simulation, Supports)];
-        assert_eq!(decide(&both, &[]), (Verdict::Violated, Some(Model)));
+        assert_eq!(
+            decide(&both, &Apart::default()),
+            (Verdict::Violated, Some(Model))
+        );
     }
 
     #[test]
     fn a_conflict_needs_a_pair_that_conflicts() {
         let pieces = [piece("E", System, Supports), piece("F", System, Denies)];
-        assert_eq!(decide(&pieces, &[]), (Verdict::Violated, Some(System)));
+        assert_eq!(
+            decide(&pieces, &Apart::default()),
+            (Verdict::Violated, Some(System))
+        );
         let pair = [("E".to_owned(), "F".to_owned())];
-        assert_eq!(decide(&pieces, &pair), (Verdict::Conflicting, Some(System)));
+        assert_eq!(
+            decide(&pieces, &conflict(&pair)),
+            (Verdict::Conflicting, Some(System))
+        );
         let with_model = [piece("E", System, Neither), piece("M", Model, Supports)];
         let pair = [("M".to_owned(), "E".to_owned())];
-        assert_eq!(decide(&with_model, &pair), (Verdict::Conflicting, None));
+        assert_eq!(
+            decide(&with_model, &conflict(&pair)),
+            (Verdict::Conflicting, None)
+        );
         let decided = [piece("E", System, Denies), piece("M", Model, Supports)];
-        assert_eq!(decide(&decided, &pair), (Verdict::Violated, Some(System)));
+        assert_eq!(
+            decide(&decided, &conflict(&pair)),
+            (Verdict::Violated, Some(System))
+        );
+    }
+
+    fn conflict(pairs: &[(String, String)]) -> Apart {
+        Apart {
+            conflicts: pairs.to_vec(),
+            ..Apart::default()
+        }
+    }
+
+    #[test]
+    fn trials_that_differ_on_both_sides_of_the_threshold_leave_it_undecided() {
+        let apart = Apart {
+            within_margin: vec![("F".to_owned(), "E".to_owned())],
+            ..Apart::default()
+        };
+        let leaning = |p_met: f64| {
+            let mut piece = piece("F", System, Neither);
+            piece.standing.p_met = p_met;
+            piece
+        };
+        let supporting = piece("E", System, Supports);
+        let away = [supporting.clone(), leaning(0.1)];
+        assert_eq!(decide(&away, &apart), (Verdict::Undecided, None));
+        assert_eq!(
+            decide(&away, &Apart::default()),
+            (Verdict::Satisfied, Some(System))
+        );
+        let near = [supporting.clone(), leaning(0.9)];
+        assert_eq!(decide(&near, &apart), (Verdict::Satisfied, Some(System)));
+        // What is denied stays so.
+        let denied = [supporting, leaning(0.1), piece("G", System, Denies)];
+        assert_eq!(decide(&denied, &apart), (Verdict::Violated, Some(System)));
     }
 
     #[test]
@@ -239,7 +324,10 @@ mod tests {
         let mut copy = piece("F", System, Supports);
         copy.decides = false;
         let pieces = [piece("E", System, Neither), copy];
-        assert_eq!(decide(&pieces, &[]), (Verdict::Undecided, None));
+        assert_eq!(
+            decide(&pieces, &Apart::default()),
+            (Verdict::Undecided, None)
+        );
     }
 
     #[test]
@@ -247,10 +335,19 @@ mod tests {
         let here = piece("E", System, Supports);
         let simulated = elsewhere(Simulation, Denies);
         let both = [here.clone(), simulated.clone()];
-        assert_eq!(decide(&both, &[]), (Verdict::Violated, Some(Simulation)));
+        assert_eq!(
+            decide(&both, &Apart::default()),
+            (Verdict::Violated, Some(Simulation))
+        );
         let passed = [here.clone(), simulated, elsewhere(System, Supports)];
-        assert_eq!(decide(&passed, &[]), (Verdict::Satisfied, Some(System)));
+        assert_eq!(
+            decide(&passed, &Apart::default()),
+            (Verdict::Satisfied, Some(System))
+        );
         let failed = [here, elsewhere(System, Denies)];
-        assert_eq!(decide(&failed, &[]), (Verdict::Violated, Some(System)));
+        assert_eq!(
+            decide(&failed, &Apart::default()),
+            (Verdict::Violated, Some(System))
+        );
     }
 }

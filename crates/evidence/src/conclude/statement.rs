@@ -3,7 +3,7 @@
 //! All of it is made from the standings, so that no sentence can contradict a figure beside it.
 
 use super::judge::{Asked, Level};
-use super::ladder::{Judged, is_denial};
+use super::ladder::{Judged, is_denial, lean_apart};
 use super::words;
 use crate::compare::Belief;
 use crate::compare::words::{list, points};
@@ -180,8 +180,26 @@ impl Statement<'_> {
         })
     }
 
+    /// Trials of the system that differ, on both sides of the threshold.
+    fn trials_that_lean_apart(&self) -> Option<String> {
+        let trials = self.judged.iter().filter(|it| {
+            let standing = &it.standing;
+            !standing.elsewhere && standing.step == Step::System
+        });
+        let trials: Vec<&Judged> = trials.collect();
+        let (one, other) = lean_apart(&trials, &self.asked.apart().within_margin)?;
+        Some(format!(
+            "{} by itself would support it, and {} lies on the other side of the threshold; they differ beyond chance, so that they are \
+             not of one rate, and one of them decides nothing of it.",
+            one.standing.evidence, other.standing.evidence
+        ))
+    }
+
     /// Trials of the system that support what other trials of it refute, without a difference that is a conflict.
     fn contrary_trials(&self) -> Option<String> {
+        if self.verdict == Verdict::Undecided {
+            return self.trials_that_lean_apart();
+        }
         if (self.verdict, self.step) != (Verdict::Violated, Some(Step::System)) {
             return None;
         }
@@ -273,8 +291,12 @@ impl Statement<'_> {
             .filter_map(|it| {
                 let (verdict, step) = it.verdict_with_it?;
                 let step = step.map_or(String::new(), |step| format!(" ({})", step.words()));
+                let why = match &it.reason {
+                    ExclusionReason::Reproduced(by) => format!("as reproduced by {by}"),
+                    _ => "as intermediate".to_owned(),
+                };
                 Some(format!(
-                    "{} is left out as intermediate; with it the verdict would be {}{step}.",
+                    "{} is left out {why}; with it the verdict would be {}{step}.",
                     it.evidence,
                     verdict.words()
                 ))

@@ -38,11 +38,11 @@ use super::judge::Asked;
 use super::stand::{self, ClaimLevels};
 use super::words::{self, percent_down, percent_up};
 use super::{Piece, is_trial, limits};
-use crate::compare::words::{p_value, points};
+use crate::compare::words::{list, p_value, points};
 use crate::compare::{Belief, Study};
 use crate::{
-    CarryOver, Comparison, Direction, Evidence, Interval, Outcome, PieceStanding, Requirement,
-    Step, Subject, Threshold,
+    CarryOver, Comparison, Direction, Evidence, Interval, Measure, Outcome, PieceStanding,
+    Requirement, Step, Subject, Threshold,
 };
 
 /// A carried-over model, or why it carries nothing over.
@@ -185,7 +185,11 @@ fn anchor(
         Some((p, other, margin)) => Ok(Anchor {
             p,
             margin,
-            with: format!("{other} on {on} within {}", points(margin)),
+            with: format!(
+                "{other} on {on} within {}{}",
+                points(margin),
+                left_out(study.evidence, &subject)
+            ),
         }),
         None if independent.is_empty() => Err(none(format!(
             "no independent trials of the system are compared with {model} on {on}"
@@ -193,6 +197,28 @@ fn anchor(
         None => Err(none(format!(
             "agreement of {model} with the system on {on} is not shown"
         ))),
+    }
+}
+
+/// The study's own trials of the system on the anchor that it leaves out, which nothing is compared with.
+fn left_out(evidence: &[Evidence], subject: &Subject) -> String {
+    let hidden = evidence.iter().filter(|piece| {
+        let is_left_out = piece.intermediate || piece.reproduced_by.is_some();
+        is_trial(piece) && is_left_out && !piece.published
+    });
+    let named = hidden.filter_map(|piece| match piece.finding(subject)?.measure {
+        Measure::Counts { count, trials, .. } => {
+            Some(format!("{} ({count} of {trials})", piece.id))
+        }
+        _ => None,
+    });
+    let named: Vec<String> = named.collect();
+    match named.is_empty() {
+        true => String::new(),
+        false => format!(
+            " (the study leaves out {}, which speaks of it, too)",
+            list(&named)
+        ),
     }
 }
 

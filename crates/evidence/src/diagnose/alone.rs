@@ -15,7 +15,7 @@ use super::matter::{Clue, Matter, name_of, rate_in_words};
 use super::rates::{NAMED, counts_of, figure, rate_or_never, solver};
 use super::strength::{Rate, STRONG, strength};
 use super::suspect::Symptom;
-use crate::{Evidence, Inaccuracy, Measure, MethodAnswer, Subject};
+use crate::{Evidence, Inaccuracy, Measure, MethodAnswer, Subject, is_of_another_part};
 
 impl Matter<'_> {
     /// Clues against models that exclude a failure mode that others show.
@@ -27,7 +27,8 @@ impl Matter<'_> {
         for piece in models {
             for finding in &piece.findings {
                 let subject = &finding.subject;
-                let excludes = rate_or_never(piece, subject) == Some(Rate::Never);
+                let excludes = rate_or_never(piece, subject) == Some(Rate::Never)
+                    && !is_of_another_part(self.evidence, piece, subject);
                 if let (Subject::FailureMode(mode), true) = (subject, excludes) {
                     let reason = match &finding.measure {
                         Measure::NotExpressible { reason } => reason,

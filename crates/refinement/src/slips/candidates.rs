@@ -1,6 +1,6 @@
 //! The slips that a model's text leaves room for.
 
-use super::{NEAR_BY, Slip};
+use super::{MOST_VALUES, NEAR_BY, Slip};
 use crate::draws;
 use crate::model_change::Read;
 use crate::number::commands;
@@ -17,7 +17,9 @@ const STEPS: [i64; 4] = [1, -1, 2, -2];
 /// All of them with their kinds, those of few places first.
 pub(super) fn slips(read: &Read<'_>) -> Vec<(u8, Slip)> {
     let of = |kind: u8, all: Vec<Slip>| all.into_iter().map(move |it| (kind, it));
-    of(0, whole_numbers(read))
+    of(5, digits_of_numbers(read))
+        .chain(of(0, whole_numbers(read)))
+        .chain(of(6, beginnings(read)))
         .chain(of(1, moved_bounds(read)))
         .chain(of(2, parts(read)))
         .chain(of(3, exchanges(read)))
@@ -194,6 +196,56 @@ fn whole_numbers(read: &Read<'_>) -> Vec<Slip> {
     found
 }
 
+/// Constants of type `double` whose digits are others: one minus the value, ten times and a tenth of it.
+fn digits_of_numbers(read: &Read<'_>) -> Vec<Slip> {
+    let mut found = Vec::new();
+    for constant in &read.tree.constants {
+        let written = constant
+            .value
+            .as_ref()
+            .filter(|_| constant.ty == Type::Double);
+        let Some((written, value)) = written.zip(read.constant(&constant.name.text)) else {
+            continue;
+        };
+        let chance = (0.0..1.0).contains(&value).then_some(1.0 - value);
+        let others = chance.into_iter().chain([value * 10.0, value / 10.0]);
+        let others = others.filter(|it| *it > 0.0 && (*it - value).abs() > f64::EPSILON);
+        found.extend(others.map(|new| Slip::Digits {
+            constant: constant.name.text.clone(),
+            old: read.text[written.span.start..written.span.end].to_owned(),
+            // Without the noise of the arithmetic.
+            new: format!("{}", (new * 1e12).round() / 1e12),
+        }));
+    }
+    found
+}
+
+/// Other first values of counters that have few.
+fn beginnings(read: &Read<'_>) -> Vec<Slip> {
+    let ordered = ordered_names(read);
+    let mut found = Vec::new();
+    for variable in crate::idle::declared(read) {
+        let VariableRange::Int { low, high } = &variable.range else {
+            continue;
+        };
+        let of = |expr: &Expr| draws::value_of(expr, None, &read.model);
+        let (Some(low), Some(high), Some(init)) =
+            (of(low), of(high), variable.init.as_ref().and_then(of))
+        else {
+            continue;
+        };
+        let name = &variable.name.text;
+        if high - low < MOST_VALUES && ordered.contains(name) {
+            let others = (low..=high).filter(|it| *it != init);
+            found.extend(others.map(|new| Slip::Begin {
+                variable: name.clone(),
+                new,
+            }));
+        }
+    }
+    found
+}
+
 /// The parts of guards and formulas, in the order of the text.
 pub(super) fn places(read: &Read<'_>) -> Vec<Part> {
     let written = |span: Span| &read.text[span.start..span.end];
@@ -283,13 +335,40 @@ fn others_of_operation(
     let sign = Span::new(sign, sign + now.len());
     let mut others: Vec<String> = signs.iter().map(|it| with(sign, it)).collect();
     if is_comparison(operator) {
-        for side in [left, right] {
+        let written = |it: &Expr| read.text[it.span.start..it.span.end].to_owned();
+        for (own, side) in [(right, left), (left, right)] {
             if let ExprKind::Int(value) = side.kind {
                 others.extend([1, -1].map(|step| with(side.span, &(value + step).to_string())));
             }
+            if let (ExprKind::Name(name), true) = (&own.kind, is_order(operator)) {
+                let elsewhere = compared_with(read, name).into_iter();
+                let elsewhere = elsewhere.filter(|it| *it != written(side));
+                others.extend(elsewhere.map(|it| with(side.span, &it)));
+            }
         }
+        let mut known = BTreeSet::new();
+        others.retain(|it| known.insert(it.clone()));
     }
     others
+}
+
+/// What guards and formulas compare a variable with by order, as it is written.
+fn compared_with(read: &Read<'_>, variable: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for condition in conditions(read) {
+        each_operation(condition, &mut |expr| {
+            if let ExprKind::Binary(operator, left, right) = &expr.kind
+                && is_order(*operator)
+            {
+                for (own, other) in [(left, right), (right, left)] {
+                    if matches!(&own.kind, ExprKind::Name(name) if name == variable) {
+                        found.insert(read.text[other.span.start..other.span.end].to_owned());
+                    }
+                }
+            }
+        });
+    }
+    found
 }
 
 fn parts(read: &Read<'_>) -> Vec<Slip> {

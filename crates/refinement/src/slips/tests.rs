@@ -33,6 +33,7 @@ endmodule
 }
 
 const TURNS: &str = "dtmc
+const double slips = 0.2;
 const int most = 2;
 const int away = 3;
 formula tired = (turns>=most) | s=away;
@@ -57,6 +58,9 @@ fn all_made(text: &str) -> Vec<(u8, String)> {
 fn limits_are_moved_wherever_they_stand() {
     let made = all_made(TURNS);
     for (kind, wanted) in [
+        (5, "const double slips = 0.8;"),
+        (5, "const double slips = 0.02;"),
+        (6, "turns : [0..5] init 3;"),
         (0, "const int most = 3;"),
         (0, "const int most = 0;"),
         (
@@ -70,6 +74,8 @@ fn limits_are_moved_wherever_they_stand() {
         (2, "(turns<4) | !wet"),
         (2, "(turns>=4 & wet)"),
         (2, "(turns>=4 | !wet)"),
+        (2, "tired = (turns>=4) | s=away;"),
+        (2, "(turns<most) & !wet"),
         (2, "tired = (turns<most) | s=away;"),
         (2, "tired = (turns>=most) | s!=away;"),
         (3, "[] s=0 & (turns>=4 | wet) -> 0.5 : (s'=1)"),

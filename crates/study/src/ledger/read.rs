@@ -41,7 +41,7 @@ pub(super) struct EntryText {
     /// A step on the way, which decides nothing; the report lists it as excluded.
     #[serde(default)]
     pub(super) intermediate: bool,
-    /// A later entry that repeats this one.
+    /// A later entry that repeats this one, which is left out for it.
     #[schemars(with = "Option<String>")]
     pub(super) reproduced_by: Option<Spanned<String>>,
     /// Which numbers of its assets were set to whose counts.

@@ -43,20 +43,35 @@ impl Planted {
     }
 
     /// A study of `requirements.toml`, `vocabulary.toml`, `model.prism` and `counts.csv`, which has been run.
-    pub fn of_model_and_counts([requirements, vocabulary, model, counts]: [&str; 4]) -> Self {
+    pub fn of_model_and_counts(files: [&str; 4]) -> Self {
         let folder = Self::new();
+        folder.write("study.toml", STUDY);
+        folder.complete(files);
+        folder
+    }
+
+    /// The beginning of such a study, whose model's steps take so many seconds.
+    pub fn with_step(secs: f64) -> Self {
+        let folder = Self::new();
+        folder.write(
+            "study.toml",
+            &format!("{STUDY}[model]\nstep = \"{secs} s\"\n"),
+        );
+        folder
+    }
+
+    /// The other files of such a study, and its run.
+    pub fn complete(&self, [requirements, vocabulary, model, counts]: [&str; 4]) {
         for (name, text) in [
-            ("study.toml", STUDY),
             ("ledger.toml", LEDGER),
             ("requirements.toml", requirements),
             ("vocabulary.toml", vocabulary),
             ("model.prism", model),
             ("counts.csv", counts),
         ] {
-            folder.write(name, text);
+            self.write(name, text);
         }
-        folder.run();
-        folder
+        self.run();
     }
 
     /// The line of the first suspect, which is the model, and the first offered diff; all other offers are left open.

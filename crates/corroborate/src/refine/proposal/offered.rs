@@ -5,10 +5,14 @@ use crate::refine::command::search;
 use diagnostic::Problem;
 use evidence::{StudyResult, Subject, Suspect, Symptom};
 use host::Host;
+use std::cmp::Reverse;
 use study::Study;
 
 /// The share of a conflict that an edit explains at the least for a model's number to wait for it.
 const LEAST_SHARE: f64 = 0.05;
+
+/// The share from which on an edit explains a conflict more likely than all else.
+const LIKELY: f64 = 0.5;
 
 /// What is offered, and what could not be.
 #[derive(Clone, Debug, Default)]
@@ -34,6 +38,10 @@ impl Offered {
     ) -> Result<(), Problem> {
         let mut kept = Vec::new();
         for mut proposal in std::mem::take(&mut self.proposals) {
+            // Where nothing is suspected, a number that is fitted follows chance.
+            if proposal.suspect.is_none() && matches!(proposal.change, Change::FitCommand(_)) {
+                continue;
+            }
             match search(study, result, &mut proposal, setting)? {
                 Some(why) => self.refused.push(format!("{why}.")),
                 None => kept.push(proposal),
@@ -133,7 +141,7 @@ impl Offered {
     }
 
     /// Puts what does no harm before what does, and of these what is for the first suspects first; but a search for a number behind
-    /// what explains all that it is for with a value that is known, and what mends nothing behind what does.
+    /// what explains, more likely than not, all that it is for with a value that is known, and what mends nothing behind what does.
     pub(in crate::refine) fn in_order(&mut self, suspects: &[Suspect]) {
         let offered: Vec<u32> = self.proposals.iter().filter_map(|it| it.suspect).collect();
         let edits = suspects
@@ -142,9 +150,7 @@ impl Offered {
         let explained: Vec<&Subject> = edits
             .flat_map(|it| &it.symptoms)
             .filter_map(|symptom| match symptom {
-                Symptom::EditExplains { subject, share, .. } if *share >= LEAST_SHARE => {
-                    Some(subject)
-                }
+                Symptom::EditExplains { subject, share, .. } if *share >= LIKELY => Some(subject),
                 _ => None,
             })
             .collect();
@@ -161,9 +167,20 @@ impl Offered {
         let is_vain = |it: &Proposal| {
             matches!(it.change, Change::Model { .. }) && it.tried.repairs.is_empty()
         };
+        // Of one model's changes for one suspect what repairs more comes first.
+        let repaired = |it: &Proposal| match it.change {
+            Change::Model { .. } => it.tried.repairs.len(),
+            _ => usize::MAX,
+        };
         self.proposals.sort_by_cached_key(|it| {
             let suspect = it.suspect.unwrap_or(u32::MAX);
-            (it.tried.is_harmful(), is_late(it) || is_vain(it), suspect)
+            let is_behind = is_late(it) || is_vain(it);
+            (
+                it.tried.is_harmful(),
+                is_behind,
+                suspect,
+                Reverse(repaired(it)),
+            )
         });
         for (number, proposal) in (1..).zip(&mut self.proposals) {
             proposal.number = number;

@@ -34,6 +34,8 @@ pub(super) struct Number {
     pub line: usize,
     /// What is set to it, where the line says so.
     pub name: Option<String>,
+    /// Whether it is subtracted from 1: what is set is what is left.
+    pub is_subtracted: bool,
 }
 
 /// A number with its piece and file.
@@ -135,10 +137,14 @@ fn candidate(
     }
     let (id, with) = (&evidence[placed.piece].id, &evidence[other].id);
     let name = number.name.as_ref();
+    let is_named_rest = number.is_subtracted && name.is_some();
     let what = name.map_or(format!("{id}'s {}", number.text), |name| {
-        format!("{id}'s `{name}` = {}", number.text)
+        let subtracted = if is_named_rest { "1-" } else { "" };
+        format!("{id}'s `{name}` = {subtracted}{}", number.text)
     });
-    let of_rest = if rate.1 { "" } else { "1 minus " };
+    // What is named has the rate if what is subtracted has that of the contrary.
+    let is_rate = rate.1 != is_named_rest;
+    let of_rest = if is_rate { "" } else { "1 minus " };
     Some(Candidate {
         pieces: [placed.piece, other],
         kind: CopyKind::Constant,
@@ -214,11 +220,19 @@ pub(super) fn numbers(text: &str) -> Vec<Number> {
                     quotient,
                     line,
                     name: name(code, token.start),
+                    is_subtracted: is_subtracted(&code[..token.start]),
                 });
             }
         }
     }
     found
+}
+
+/// Whether a line up to a number ends with `1-`.
+fn is_subtracted(before: &str) -> bool {
+    let minuend = before.trim_end().strip_suffix('-').map(str::trim_end);
+    let left = minuend.and_then(|it| it.strip_suffix('1').or_else(|| it.strip_suffix("1.0")));
+    left.is_some_and(|it| !it.ends_with(|c: char| c.is_ascii_alphanumeric() || "._".contains(c)))
 }
 
 /// The next number from a place on.

@@ -20,6 +20,7 @@
 //! | a signal in a `trace` binding is another | a signal of topics.toml that no proposition reads, and that the same can be said of |
 //! | the field that a signal is read `from` is another | a field of the recordings that no signal is read from, above all one that is called as the signal is |
 //! | a proposition in a sentence is another | the requirement's text has its name, or nothing else reads it |
+//! | the scope, the condition or the timing of a sentence is another, or a duration in it (`phrases`) | nothing but that it can be; the requirement's text says the duration |
 //! | a hand-written `property` or `formula`, or what a `monitor` waits for, names another proposition | the proposition that the other forms of the same requirement name |
 //! | a limit `within_secs`, or one in a hand-written `property` | a duration in the requirement's own text or sentence, or the limit of its other form, or a slip by a factor |
 //! | the `step` of study.toml, the `mission_time` of a fault tree | a slip by a factor, or a duration that a requirement says |
@@ -40,6 +41,7 @@
 pub(super) mod clauses;
 mod formulas;
 pub(super) mod limits;
+mod phrases;
 mod quantities;
 pub(super) mod scales;
 mod sentences;
@@ -174,6 +176,7 @@ pub(super) fn candidates(
     found.extend(quantities::parameters(study, disagrees));
     found.extend(formulas::of_forms(study, disagrees));
     found.extend(sentences::of_requirements(study, disagrees));
+    found.extend(phrases::of_requirements(study, disagrees));
     found.extend(times::of_step(study));
     found.extend(times::of_missions(study));
     let path = study.folder.join(TOPICS);

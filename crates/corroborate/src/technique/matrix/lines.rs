@@ -19,6 +19,7 @@ use crate::refine::solver::Solver;
 use diagnostic::Problem;
 use evidence::{Measure, STRONG, Subject, Suspect, SuspectKind};
 use refinement::{Changed, ModelChange, Trial, Values};
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 /// A change with the model after it, and what it does to the agreement with all evidence.
@@ -173,14 +174,24 @@ fn best_for<'c>(
     subjects: &[Subject],
     changes: &'c [Tried],
 ) -> Option<(&'c ModelChange, &'c Changed)> {
-    let harmless = || changes.iter().filter(|(.., trial)| !trial.is_harmful());
+    // What repairs more first, as it is offered.
+    let mut of_changes: Vec<&Tried> = changes.iter().collect();
+    of_changes.sort_by_key(|(.., trial)| Reverse(trial.repairs.len()));
+    let harmless = || {
+        of_changes
+            .iter()
+            .copied()
+            .filter(|(.., trial)| !trial.is_harmful())
+    };
     let own = |subject: &Subject| harmless().find(|(change, ..)| change.subject() == *subject);
     let repairs = |subject: &Subject| {
         harmless().find(|(.., trial)| trial.repairs.iter().any(|it| &it.subject == subject))
     };
     // A branch that is lacking is offered only where no change weighs more.
-    let lacking = harmless()
-        .find(|(change, ..)| change.is_of_lacking_branch() && subjects.contains(&change.subject()));
+    let lacking = harmless().find(|(change, _, trial)| {
+        let mut repaired = trial.repairs.iter();
+        change.is_of_lacking_branch() && repaired.any(|it| subjects.contains(&it.subject))
+    });
     let first = lacking.or_else(|| subjects.iter().find_map(own));
     let (change, changed, _) = first.or_else(|| subjects.iter().find_map(repairs))?;
     Some((change, changed))
@@ -192,6 +203,7 @@ fn point(suspect: &mut Suspect, text: &str, change: &ModelChange, changed: &Chan
     let part = match change {
         ModelChange::Solve { number, .. } => format!("`{}`", number.name()),
         ModelChange::Branchless { branch, .. } => {
+            suspect.asset.line = branch.line(text);
             format!("branch `{}`", branch.written(text).unwrap_or_default())
         }
         ModelChange::Branch {

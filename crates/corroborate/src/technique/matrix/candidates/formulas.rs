@@ -3,8 +3,8 @@
 //! # Definition
 //! Of a property or a formula of a subject in disagreement, one at a time: a negation left out, or put before a proposition;
 //! `|` for `&`, `or` for `and`, and back; an implication for a conjunction, and back; `F` for `G`, `eventually` for `always`, and
-//! back, of the same or of its negation; of a failure mode also that what its monitor or its column names comes about. In a formula also a quantity, a number or a comparison, as in the binding of a
-//! proposition ([`super::quantities`]). Limits of time are in [`super::limits`], other propositions in [`super`].
+//! back, of the same or of its negation, or without its limit of time; of a failure mode also that what its monitor or its column names comes about. In a formula also a quantity, a number or a comparison, as in the binding of a
+//! proposition ([`super::quantities`]), in a property a whole number. Limits of time are in [`super::limits`], other propositions in [`super`].
 //!
 //! # Assumes
 //! Nothing of the data. What is suggested is tried.
@@ -12,7 +12,8 @@
 //! # Guarantee
 //! That of [`super`]: none.
 
-use super::quantities::{add, in_predicate};
+use super::limits::counts;
+use super::quantities::{add, compared_numbers, comparisons, in_predicate};
 use super::{REQUIREMENTS, Reach, TextEdit, block, of_monitor, part_of, values};
 use evidence::{Subject, SuspectKind};
 use std::ops::Range;
@@ -42,8 +43,14 @@ pub(super) fn of_forms(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> V
                 };
                 add(edit, &mut found);
             }
+            if text.which == "property" {
+                for edit in whole_numbers(study, form, &text) {
+                    add(edit, &mut found);
+                }
+            }
             if text.which == "monitor" {
-                for (span, new, hint) in in_predicate(study, &text.text, None, &[form]) {
+                let all = in_predicate(study, &text.text, None, &[form]).into_iter();
+                for (span, new, hint) in all.chain(elsewhere(study, &text.text)) {
                     let start = text.span.start;
                     let edit = TextEdit {
                         file: REQUIREMENTS,
@@ -62,6 +69,81 @@ pub(super) fn of_forms(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> V
         }
     }
     found
+}
+
+/// The whole numbers that a property compares variables with: those that the subject's text bounds something with, where it does not say
+/// the first, and one more or less.
+fn whole_numbers(study: &Study, form: &SubjectForm, text: &Written) -> Vec<TextEdit> {
+    let said = counts(study, &form.subject);
+    let whole = compared_numbers(&text.text)
+        .into_iter()
+        .filter(|(span, number)| {
+            // A limit of time is another matter.
+            let before = text.text[..span.start].trim_end_matches(['<', '>', '=', ' ']);
+            let is_limit = before.ends_with(['F', 'G', 'U', 'W', 'R', 'X']);
+            number.fract() == 0.0 && !said.contains(number) && !is_limit
+        });
+    let mut found = Vec::new();
+    for (span, number) in whole {
+        let told = said.iter().map(|it| (*it, true));
+        let steps = [number + 1.0, number - 1.0].map(|it| (it, false));
+        for (new, is_said) in told.chain(steps) {
+            found.push(TextEdit {
+                file: REQUIREMENTS,
+                old: text.text[span.clone()].to_owned(),
+                span: text.span.start + span.start..text.span.start + span.end,
+                new: new.to_string(),
+                kind: text.kind,
+                part: part_of(form, text.which),
+                reach: text.reach.clone(),
+                hint: is_said
+                    .then(|| format!("the text of {} says {new}", form.subject.in_words())),
+                is_said,
+            });
+        }
+    }
+    found
+}
+
+/// The numbers of a formula's comparisons as propositions compare the same signal with, which say so.
+fn elsewhere(study: &Study, text: &str) -> Vec<(Range<usize>, String, Option<String>)> {
+    let words = &study.vocabulary.propositions;
+    let mut found = Vec::new();
+    for (span, signal) in compared_signals(text) {
+        for (name, word) in words {
+            let Some(trace) = &word.trace else { continue };
+            for (place, other) in compared_signals(&trace.text) {
+                let new = &trace.text[place];
+                if signal == other && *new != text[span.clone()] {
+                    let hint = format!("`{name}` compares `{signal}` with it");
+                    found.push((span.clone(), new.to_owned(), Some(hint)));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// The numbers that signals are compared with, with their units, and the signal of each.
+fn compared_signals(text: &str) -> Vec<(Range<usize>, &str)> {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || "_/.".contains(c);
+    let signs = comparisons(text).into_iter();
+    let found = signs.filter_map(|(sign, _)| {
+        let before = text[..sign.start].trim_end();
+        let start = before.rfind(|c: char| !is_part(c)).map_or(0, |it| it + 1);
+        let signal = &before[start..];
+        let rest = &text[sign.end..];
+        let begin = sign.end + (rest.len() - rest.trim_start().len());
+        let behind = &text[begin..];
+        let digits = behind.find(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));
+        let digits = digits.unwrap_or(behind.len());
+        // A unit, but no operator.
+        let unit = behind[digits..].split([')', '&', '|', ',', '=']).next()?;
+        let unit = unit.split(" and ").next()?.split(" or ").next()?.trim_end();
+        let is_number = digits > 0 && signal.starts_with('/');
+        is_number.then_some((begin..begin + digits + unit.len(), signal))
+    });
+    found.collect()
 }
 
 /// A failure mode's property as what its other forms say: that a proposition comes about which they name, and its opportunity
@@ -167,6 +249,8 @@ fn rewritten(text: &str, is_proposition: &dyn Fn(&str) -> bool, negation: &str) 
                     _ => "eventually",
                 };
                 found.push(put(place.clone(), other));
+                // What is bounded may have been meant without a bound.
+                found.extend(bound(text, place.end).map(|bound| put(bound, "")));
                 if let Some(operand) = operand(text, place.end) {
                     let own = &text[operand.clone()];
                     let contrary = match own.strip_prefix(negation) {
@@ -196,17 +280,21 @@ fn rewritten(text: &str, is_proposition: &dyn Fn(&str) -> bool, negation: &str) 
     found
 }
 
+/// The limit of a temporal operator that ends at a place: `[0, 3 s]` of a formula, `<=3` of a property.
+fn bound(text: &str, end: usize) -> Option<Range<usize>> {
+    let rest = &text[end..];
+    let length = match rest.chars().next()? {
+        '[' => rest.find(']')? + 1,
+        '<' | '>' => rest.find(' ')?,
+        _ => return None,
+    };
+    Some(end..end + length)
+}
+
 /// The operand of a temporal operator that ends at a place, with its limit left out: a word, a quoted one or what stands in
 /// parentheses, negated or not.
 fn operand(text: &str, end: usize) -> Option<Range<usize>> {
-    let mut at = end;
-    let rest = &text[at..];
-    // `[0, 3 s]` of a formula, `<=3` of a property.
-    if rest.starts_with('[') {
-        at += rest.find(']')? + 1;
-    } else if rest.starts_with(['<', '>']) {
-        at += rest.find(' ')?;
-    }
+    let mut at = bound(text, end).map_or(end, |it| it.end);
     at = text.len() - text[at..].trim_start().len();
     let start = at;
     for negation in ["!", "not "] {
@@ -258,6 +346,14 @@ mod tests {
     }
 
     #[test]
+    fn numbers_stand_beside_the_signals_that_are_compared_with_them() {
+        let text = "always (/arm.gap < 2.5 mm and /arm.load>=0.3)";
+        let found = compared_signals(text).into_iter();
+        let found: Vec<(&str, &str)> = found.map(|(span, of)| (of, &text[span])).collect();
+        assert_eq!(found, [("/arm.gap", "2.5 mm"), ("/arm.load", "0.3")]);
+    }
+
+    #[test]
     fn formulas_are_negated_and_joined_otherwise() {
         let found = rewritten(
             "always (left => (shut and not lost))",
@@ -286,6 +382,7 @@ mod tests {
             found,
             [
                 "P=? [ G<=30 \"left\" & !\"lost\" ]",
+                "P=? [ F \"left\" & !\"lost\" ]",
                 "P=? [ G<=30 !\"left\" & !\"lost\" ]",
                 "P=? [ F<=30 !\"left\" & !\"lost\" ]",
                 "P=? [ F<=30 \"left\" | !\"lost\" ]",

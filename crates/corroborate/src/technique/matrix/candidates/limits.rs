@@ -82,8 +82,7 @@ pub(super) fn of_form(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
         {
             return true;
         }
-        let is_same = |secs: f64| said.iter().any(|it| (it - secs).abs() < SAME_SECS);
-        limit.secs.is_some_and(is_same)
+        limit.secs.is_some_and(|secs| says_secs(&said, secs))
     };
     let mut found = Vec::new();
     for (looked, limits) in [(of_monitor, monitor), (of_property, property)] {
@@ -282,7 +281,7 @@ const WORDS: [&str; 11] = [
 ];
 
 /// The number that a word is.
-fn in_words(word: &str) -> Option<f64> {
+pub(super) fn in_words(word: &str) -> Option<f64> {
     let place = WORDS.iter().position(|it| *it == word.to_lowercase())?;
     Some((place + 2) as f64)
 }
@@ -294,7 +293,7 @@ const BOUNDS: [&str; 12] = [
 
 /// The numbers with which a subject's text bounds something, in words ("within two looks", not "two of three lamps"); those in
 /// digits; no shares.
-fn counts(study: &Study, subject: &Subject) -> Vec<f64> {
+pub(super) fn counts(study: &Study, subject: &Subject) -> Vec<f64> {
     let mut found: Vec<f64> = Vec::new();
     for text in said_texts(study, subject) {
         let words = text.split(|c: char| !c.is_alphanumeric());
@@ -420,8 +419,13 @@ pub(super) fn says(text: &str, wanted: &QuantityValue) -> bool {
     quantities.chain(durations).any(is_wanted)
 }
 
+/// Whether a duration is one of some.
+pub(super) fn says_secs(said: &[f64], secs: f64) -> bool {
+    said.iter().any(|it| (it - secs).abs() < SAME_SECS)
+}
+
 /// The durations in a text, in seconds.
-fn durations(text: &str) -> Vec<f64> {
+pub(super) fn durations(text: &str) -> Vec<f64> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let unit =
         |word: &str| trace::duration::unit_secs(word.trim_matches(|c: char| !c.is_alphabetic()));

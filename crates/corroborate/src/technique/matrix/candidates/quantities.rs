@@ -19,8 +19,9 @@
 //! # Guarantee
 //! That of [`super`]: none. What is named is what all evidence is explained by.
 
+use super::limits::{in_words, said_texts};
 use super::topics::{numbers_with_units, other_units};
-use super::{PARAMETERS, Reach, TextEdit, binding, limits::said_texts, of_monitor};
+use super::{PARAMETERS, Reach, TextEdit, binding, of_monitor};
 use evidence::{Subject, SuspectKind};
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -303,7 +304,11 @@ fn in_text(text: &str) -> Vec<Quantity> {
         word.trim_matches(ends).to_owned()
     };
     let pairs = words.windows(2).filter_map(|pair| {
-        let (number, unit) = (pair[0].trim_start_matches('('), plain(pair[1]));
+        let (written, unit) = (pair[0].trim_start_matches('('), plain(pair[1]));
+        let number = match in_words(written) {
+            Some(number) => number.to_string(),
+            None => written.to_owned(),
+        };
         number.parse::<f64>().ok()?;
         let is_unit = unit.starts_with(char::is_alphabetic) && unit != "percent";
         is_unit.then(|| Quantity::read(&format!("{number} {unit}")))?
@@ -382,7 +387,7 @@ fn bare(
 }
 
 /// The numbers without a unit behind the comparisons of a predicate, with their places.
-fn compared_numbers(text: &str) -> Vec<(Range<usize>, f64)> {
+pub(super) fn compared_numbers(text: &str) -> Vec<(Range<usize>, f64)> {
     let numbers = comparisons(text).into_iter().filter_map(|(sign, _)| {
         let rest = text[sign.end..].trim_start();
         let start = text.len() - rest.len();
@@ -463,6 +468,8 @@ mod tests {
         let seconds: Vec<f64> = found.iter().map(|it| it.value.si_value()).collect();
         assert_eq!(seconds, [36000.0, 7200.0, 90.0]);
         assert!(is_duration("3.5 s") && !is_duration("10 cm"));
+        let found = in_text("No vehicle passes at less than two metres.");
+        assert!(found.iter().all(|it| it.value.si_value() == 2.0) && found.len() == 1);
     }
 
     #[test]

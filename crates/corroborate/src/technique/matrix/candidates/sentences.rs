@@ -6,8 +6,8 @@
 //! * the text of the requirement has the other's name, and not this one's: then the text says it; or
 //! * no other subject reads the other: then a place is free for it.
 //!
-//! Likewise each parameter in turn becomes another one of the same dimension; where the text of the requirement has the other's name
-//! or its value, and not this one's, the text says it.
+//! Likewise each parameter in turn, of which the text of the requirement has neither name nor value, becomes another one of the same
+//! dimension; where the text has the other's, the text says it.
 //!
 //! # Assumes
 //! Nothing of the data. What is suggested is tried.
@@ -88,7 +88,10 @@ fn other_parameters(
     let values = &study.parameters.values;
     let mut found = Vec::new();
     for (place, word) in words_of(sentence) {
-        let Some(own) = values.get(word) else {
+        let says =
+            |name: &str, value: &QuantityValue| names(text, name) || limits::says(text, value);
+        // What the text says is not looked at.
+        let Some(own) = values.get(word).filter(|own| !says(word, own)) else {
             continue;
         };
         for other in study.parameters.declared.keys() {
@@ -98,9 +101,7 @@ fn other_parameters(
             if new.dimension() != own.dimension() || new.si_value() == own.si_value() {
                 continue;
             }
-            let says =
-                |name: &str, value: &QuantityValue| names(text, name) || limits::says(text, value);
-            let is_said = says(other, new) && !says(word, own);
+            let is_said = says(other, new);
             found.push(TextEdit {
                 file: REQUIREMENTS,
                 span: span.start + place.start..span.start + place.end,
@@ -137,11 +138,14 @@ pub(super) fn words_of(text: &str) -> Vec<(Range<usize>, &str)> {
         .collect()
 }
 
-/// Whether a text in words has a proposition's name, its parts as words.
+/// Whether a text in words has a proposition's name, its parts as words; articles do not count.
 fn names(text: &str, proposition: &str) -> bool {
     let plain = |text: &str| {
         let words = words_of(text).into_iter();
-        let words: Vec<String> = words.map(|(_, word)| word.to_lowercase()).collect();
+        let words = words.map(|(_, word)| word.to_lowercase());
+        let words: Vec<String> = words
+            .filter(|word| !["a", "an", "the"].contains(&word.as_str()))
+            .collect();
         format!(" {} ", words.join(" ").replace('_', " "))
     };
     plain(text).contains(&plain(proposition))
@@ -154,6 +158,7 @@ mod tests {
     #[test]
     fn a_text_names_a_proposition_by_its_words() {
         assert!(names("The lid is In range again.", "in_range"));
+        assert!(names("On the road it is fully down.", "on_road"));
         assert!(!names("The lid is ranged in.", "in_range") && !names("unlocked", "locked"));
     }
 
