@@ -7,7 +7,7 @@
 //!   assignment out;
 //! * *whole number*: a constant of type `int` that is compared by order or counted with is one or two more or less;
 //! * *digits*: a constant that may be a probability is one minus what is written, and a constant of type `double` ten times or a tenth of it;
-//! * *beginning*: a counter of at most [`MOST_VALUES`] values begins with another one;
+//! * *beginning*: a counter of at most [`MOST_VALUES`] values, or a Boolean variable, begins with another one;
 //! * *bound*: a number that guards compare a variable with in several places is one more or less in all of them, so that what
 //!   two commands share between them stays shared;
 //! * *guard*: in one guard or formula a comparison leaves out or takes in equality, is turned around or denied, its whole number is one
@@ -93,12 +93,12 @@ pub enum Slip {
         /// What is written then.
         new: String,
     },
-    /// The first value of a counter.
+    /// The first value of a counter or of a Boolean variable.
     Begin {
-        /// The counter.
+        /// The variable.
         variable: String,
         /// Its value then.
-        new: i64,
+        new: String,
     },
     /// A number that several guards compare a variable with.
     Bound {
@@ -215,7 +215,7 @@ impl Slip {
                     .find(|it| it.name.text == *variable)
                     .and_then(|it| it.init.as_ref());
                 let init = init.ok_or("the model says no beginning of it")?;
-                Ok(vec![Edit::replace(init.span, new.to_string())])
+                Ok(vec![Edit::replace(init.span, new.clone())])
             }
             Self::Bound { variable, old, new } => {
                 let all = bounds(read);

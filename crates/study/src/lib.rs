@@ -95,7 +95,7 @@ pub struct About {
     pub seed: u64,
     /// Level of all intervals.
     pub confidence: f64,
-    /// Level at which agreement counts as shown.
+    /// Level at which agreement counts as shown, below 0.9998.
     pub agreement: f64,
     /// Conditions under which evidence holds, by name.
     #[serde(default)]
@@ -300,15 +300,15 @@ fn read_about(
         found.lose_names();
     }
     found.join(own);
-    for (name, level) in [
-        ("confidence", &mut about.confidence),
-        ("agreement", &mut about.agreement),
+    for (name, level, most) in [
+        ("confidence", &mut about.confidence, 1.0),
+        ("agreement", &mut about.agreement, MOST_AGREEMENT),
     ] {
-        if !(*level > 0.5 && *level < 1.0) {
+        if !(*level > 0.5 && *level < most) {
             found.add(
                 Problem::new(
                     "bad-level",
-                    format!("`{name}` must be between 0.5 and 1 (got {level})"),
+                    format!("`{name}` must be between 0.5 and {most} (got {level})"),
                 )
                 .at(&source, placed::value_place(&source, &[name]))
                 .remedy("write a level of confidence, for example 0.95"),
@@ -319,6 +319,10 @@ fn read_about(
     check_model_units(&about.model, &source, found);
     Ok((about, source))
 }
+
+/// No counts show agreement at a higher level: the test confines the rates to intervals that miss them with a probability of 1e-4, which
+/// counts for no agreement, and a quarter of that again where trials may be added.
+const MOST_AGREEMENT: f64 = 0.9998;
 
 fn check_model_units(model: &ModelUnits, source: &Source, found: &mut Problems) {
     let bad = |path: &[&str], what: String| {

@@ -220,11 +220,18 @@ fn digits_of_numbers(read: &Read<'_>) -> Vec<Slip> {
     found
 }
 
-/// Other first values of counters that have few.
+/// Other first values of counters that have few, and of Boolean variables.
 fn beginnings(read: &Read<'_>) -> Vec<Slip> {
     let ordered = ordered_names(read);
     let mut found = Vec::new();
     for variable in crate::idle::declared(read) {
+        let init = variable.init.as_ref().map(|it| &it.kind);
+        if let (VariableRange::Bool, Some(ExprKind::Bool(init))) = (&variable.range, init) {
+            found.push(Slip::Begin {
+                variable: variable.name.text.clone(),
+                new: (!init).to_string(),
+            });
+        }
         let VariableRange::Int { low, high } = &variable.range else {
             continue;
         };
@@ -239,7 +246,7 @@ fn beginnings(read: &Read<'_>) -> Vec<Slip> {
             let others = (low..=high).filter(|it| *it != init);
             found.extend(others.map(|new| Slip::Begin {
                 variable: name.clone(),
-                new,
+                new: new.to_string(),
             }));
         }
     }

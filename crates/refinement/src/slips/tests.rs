@@ -61,6 +61,7 @@ fn limits_are_moved_wherever_they_stand() {
         (5, "const double slips = 0.8;"),
         (5, "const double slips = 0.02;"),
         (6, "turns : [0..5] init 3;"),
+        (6, "wet : bool init true;"),
         (0, "const int most = 3;"),
         (0, "const int most = 0;"),
         (
