@@ -95,9 +95,20 @@ impl Counts {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Executions {
     by: BTreeMap<(String, Option<u32>), Counts>,
+    /// Whether a name that is the label of a leaf means that leaf.
+    by_label: bool,
 }
 
 impl Executions {
+    /// Of a table that was made for the model: a name that is the label of a leaf means that leaf, even if other nodes are
+    /// called so.
+    pub fn by_label() -> Self {
+        Self {
+            by_label: true,
+            ..Self::default()
+        }
+    }
+
     /// Counts what a change of status says.
     pub fn add(&mut self, event: &Event<'_>) {
         let more = match (event.previous, event.current) {
@@ -177,7 +188,7 @@ impl BehaviourTree {
             for ((name, uid), counts) in &run.by {
                 let nodes = match uid.filter(|_| by_number) {
                     Some(uid) => vec![NodeId(uid as usize - 1)],
-                    None => self.named(name),
+                    None => self.named(name, run.by_label),
                 };
                 if nodes.is_empty() {
                     found.unknown.insert(name.clone());
@@ -205,7 +216,11 @@ impl BehaviourTree {
     }
 
     /// The nodes of a name; if there are none, the one that has it as its label or path.
-    fn named(&self, name: &str) -> Vec<NodeId> {
+    fn named(&self, name: &str, by_label: bool) -> Vec<NodeId> {
+        let mut leaves = self.leaves();
+        if let Some((id, _)) = leaves.find(|(_, node)| by_label && node.label == name) {
+            return vec![id];
+        }
         let with = |is: &dyn Fn(&Node) -> bool| -> Vec<NodeId> {
             let nodes = self.nodes.iter().enumerate();
             let nodes = nodes.filter(|(_, node)| is(node));

@@ -103,3 +103,19 @@ fn numbers_tell_nodes_of_one_name_apart_if_they_are_the_trees() {
         .collect();
     assert_eq!(leaves, [(2, counts(1, 1, 0)), (1, counts(1, 0, 0))]);
 }
+
+#[test]
+fn a_table_may_name_leaves_by_their_labels() {
+    let tree = reading(TREE).tree;
+    let mut table = Executions::by_label();
+    table.add(&Event {
+        node: "FollowPath",
+        uid: None,
+        previous: Status::Running,
+        current: Status::Success,
+    });
+    let found = tree.attributed(&[table]);
+    assert!(found.shared.is_empty());
+    assert_eq!(tree.node(found.leaves[0].nodes[0]).line, 1);
+    assert_eq!(found.leaves[0].total(), counts(1, 0, 0));
+}

@@ -14,6 +14,10 @@ use executions::Runs;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+/// Ways to fail of which the model is asked beside counts, at most: each is solved for anew at every point at which the
+/// uncertainty of the constants is looked at.
+const MOST_ASKED: usize = 8;
+
 /// Bytes of a file in which its outermost element is looked for.
 const BEGINNING: usize = 1 << 20;
 
@@ -125,7 +129,10 @@ impl Drafted {
             None => Attributed::default(),
         };
         let open = behaviour_tree::to_prism(&tree, &Options::default());
-        let modes = modes(&tree, &open, &attributed);
+        let mut modes = modes(&tree, &open, &attributed);
+        if runs.is_some() {
+            modes.retain(|mode| mode.group.is_some());
+        }
         let values = open.constants.iter().map(|it| {
             let mode = modes.iter().find(|mode| mode.leaves.contains(&it.node));
             (it.name.clone(), value(&tree, it, mode))
@@ -301,14 +308,14 @@ fn modes(tree: &BehaviourTree, model: &PrismModel, attributed: &Attributed) -> V
     found
 }
 
-/// The value of a constant: the mean of what is known of the rate after the counts (Jeffreys' prior), or a guess.
+/// The value of a constant: the share of successes among the executions, or a guess.
 fn value(tree: &BehaviourTree, constant: &Constant, mode: Option<&Mode>) -> f64 {
     let node = tree.node(constant.node);
     let counts = mode.and_then(|mode| mode.group.as_ref()).map(Group::total);
     match (constant.draw, counts) {
         (Draw::Leaf, Some(counts)) => {
-            let mean = (counts.succeeded as f64 + 0.5) / (counts.ended() as f64 + 1.0);
-            (mean * 1e6).round() / 1e6
+            let rate = counts.succeeded as f64 / counts.ended() as f64;
+            (rate * 1e6).round() / 1e6
         }
         (Draw::Leaf, None) if node.kind != Kind::Leaf(Leaf::Condition) => 0.9,
         (Draw::Deadline, _) => 0.95,

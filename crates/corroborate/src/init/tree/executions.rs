@@ -112,7 +112,8 @@ fn of_table(table: &Table, name: &str) -> Result<BTreeMap<String, Executions>, P
                 .remedy("write SUCCESS or FAILURE; IDLE for an execution that was halted"));
         };
         let run = runs.as_ref().map_or(name, |runs| runs[row]);
-        found.entry(run.to_owned()).or_default().add(&Event {
+        let of_run = found.entry(run.to_owned());
+        of_run.or_insert_with(Executions::by_label).add(&Event {
             node,
             uid: None,
             previous: Status::Running,

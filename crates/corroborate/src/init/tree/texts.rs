@@ -1,6 +1,6 @@
 //! What a draft's texts say of a tree.
 
-use super::{Comments, Drafted, Mode, comment, counted, quoted};
+use super::{Comments, Drafted, MOST_ASKED, Mode, comment, counted, quoted};
 use crate::init::NewFile;
 use behaviour_tree::{Constant, Group, Node};
 use std::fmt::Write as _;
@@ -21,8 +21,10 @@ impl Drafted {
             ("COUNTED", self.counted_entry()),
             ("CHANGED", quoted(self.changed())),
             ("CALIBRATED", self.calibrated()),
+            ("ABOUT_MODES", self.about_modes()),
             ("MODES", self.each_mode(Self::mode)),
             ("COLUMN", self.column()),
+            ("EXPERIMENT", self.experiment()),
             ("WORDS", self.each_mode(Self::words)),
         ]
     }
@@ -45,25 +47,49 @@ impl Drafted {
             "{} ends with FAILURE; counted by execution.",
             comment(&leaf.path)
         ));
+        let asked = match self.is_asked() {
+            true => format!(
+                "occurs = 'P=? [ !\"{word}_ended\" U \"{word}_fails\" ]'\nopportunity = 'P=? [ F \"{word}_ended\" ]'\n"
+            ),
+            false => String::new(),
+        };
         format!(
-            "\n[[failure_mode]]\nid = \"{id}\"\nname = {name}\nmeaning = {meaning}\nmargin = 0.05\n\
-             occurs = 'P=? [ !\"{word}_ran\" U \"{id}\" ]'\nopportunity = 'P=? [ F \"{word}_ran\" ]'\n",
-            id = mode.id,
+            "\n[[failure_mode]]\nid = \"{}\"\nname = {name}\nmeaning = {meaning}\nmargin = 0.05\n{asked}",
+            mode.id
         )
+    }
+
+    /// Whether the model is asked for the leaves' ways to fail: not where there are many whose counts it was set to, of which
+    /// it would show nothing but those counts.
+    fn is_asked(&self) -> bool {
+        self.runs.is_none() || self.modes.len() <= MOST_ASKED
+    }
+
+    fn about_modes(&self) -> String {
+        let text = match self.is_asked() {
+            true => {
+                "# Each leaf's way to fail, counted by execution. In the model it is the failure of its first execution in a run, among the\n\
+                 # runs that come to it: all executions of a leaf are alike there."
+            }
+            false => {
+                "# Each leaf's way to fail, counted by execution. The model is not asked for it, since it has the counts themselves; with\n\
+                 # `occurs` and `opportunity` it would be, for example P=? [ !\"X_ended\" U \"X_fails\" ] and P=? [ F \"X_ended\" ]."
+            }
+        };
+        text.to_owned()
     }
 
     fn words(&self, mode: &Mode) -> String {
         let name = comment(&self.leaf(mode).name);
+        let word = &mode.word;
         let labels = mode.leaves.iter().map(|it| &self.tree.node(*it).label);
         let failed: Vec<String> = labels.map(|it| format!("step=failed_{it}")).collect();
         let ended = failed.iter().map(|it| it.replacen("failed_", "ok_", 1));
         let ran: Vec<String> = ended.chain(failed.iter().cloned()).collect();
         format!(
-            "\n[{}_ran]\nmeaning = {}\nmodel = \"{}\"\n\n[{}]\nmeaning = {}\nmodel = \"{}\"\n",
-            mode.word,
+            "\n[{word}_ended]\nmeaning = {}\nmodel = \"{}\"\n\n[{word}_fails]\nmeaning = {}\nmodel = \"{}\"\n",
             quoted(&format!("{name} has just ended, with SUCCESS or FAILURE.")),
             ran.join(" | "),
-            mode.id,
             quoted(&format!("{name} has just ended with FAILURE.")),
             failed.join(" | "),
         )
@@ -72,6 +98,13 @@ impl Drafted {
     fn column(&self) -> String {
         match self.has_root() {
             true => "column = \"succeeded\"\n".to_owned(),
+            false => String::new(),
+        }
+    }
+
+    fn experiment(&self) -> String {
+        match self.has_root() {
+            true => "experiment = \"tree_succeeded\"\n".to_owned(),
             false => String::new(),
         }
     }
@@ -101,8 +134,8 @@ impl Drafted {
             false => "",
         };
         format!(
-            "\n# DRAFT: recordings of the robot at work. Of a simulated robot, write `technique = \"simulation\"`.\n\
-             [[evidence]]\nid = \"E1\"\ntitle = \"Executions in the recordings\"\ntechnique = \"operation\"\n\
+            "\n# DRAFT: the recordings are taken for trials of the robot. Of a simulated one, write `technique = \"simulation\"`.\n\
+             [[evidence]]\nid = \"E1\"\ntitle = \"Executions in the recordings\"\ntechnique = \"experiment\"\n\
              conditions = \"usual\"\n{cohort}tables.failure_modes = \"counts/failure_modes.csv\"\n\
              changed = {}\n",
             quoted(&format!("{many} of the tree, from {}.", comment(&runs.of)))
