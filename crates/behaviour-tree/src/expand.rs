@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::files::{Definitions, Element};
+use crate::files::{Definitions, Element, as_written};
 use crate::mistakes::{Mistakes, Spot};
 use crate::tree::{Kind, Leaf, Node, NodeId, Outcome, Precondition, Script};
 use crate::types::{Found, Typed, Value, whole};
@@ -203,7 +203,7 @@ impl<'a, 'd> Expansion<'a, 'd> {
             "SubTree" | "SubTreePlus" => element.attribute("ID").unwrap_or(type_name),
             _ => type_name,
         };
-        let name = given.unwrap_or(own).to_owned();
+        let name = as_written(given.unwrap_or(own));
         let path = match parent {
             Some(parent) => format!("{}/{name}", self.nodes[parent.0].node.path),
             None => name.clone(),
@@ -252,7 +252,7 @@ impl<'a, 'd> Expansion<'a, 'd> {
                 "false" | "0" => Some(false),
                 _ => None,
             };
-            let text = text.to_owned();
+            let text = as_written(text);
             found.push((which, Script { text, literal }));
         }
         found

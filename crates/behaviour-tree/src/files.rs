@@ -27,7 +27,8 @@ pub(crate) fn with_included(
     while at < files.len() {
         let file = files[at].clone();
         // What is not well-formed is said once, when it is read in full.
-        let document = parsed(&file.text);
+        let text = lenient(&file.text);
+        let document = parsed(&text);
         let elements = document.iter().flat_map(|it| it.root_element().children());
         for element in elements.filter(|it| it.has_tag_name("include")) {
             let spot = Spot::new(at, tag(element));
@@ -59,16 +60,41 @@ pub(crate) fn with_included(
     files
 }
 
+/// What stands for an `&` that begins no reference.
+const BARE: char = '\u{7f}';
+
+/// The text as the parser that BehaviorTree.CPP uses takes it: an `&` that begins no reference, as in a script's `a && b`, stands
+/// for itself. It is replaced by another character of one byte, so that places stay.
+pub(crate) fn lenient(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (at, c) in text.char_indices() {
+        let is_bare = c == '&' && !begins_reference(&text[at + 1..]);
+        out.push(if is_bare { BARE } else { c });
+    }
+    out
+}
+
+/// A text from [`lenient`] as it was written.
+pub(crate) fn as_written(text: &str) -> String {
+    text.replace(BARE, "&")
+}
+
+fn begins_reference(behind: &str) -> bool {
+    let name = behind.split(';').next().unwrap_or_default();
+    let is_known = ["amp", "lt", "gt", "quot", "apos"].contains(&name) || name.starts_with('#');
+    is_known && name.len() < behind.len()
+}
+
 /// Each file as a document; what is not well-formed is a mistake.
 pub(crate) fn documents<'d>(
-    files: &'d [Source],
+    files: &'d [String],
     mistakes: &mut Mistakes,
 ) -> Vec<Option<Document<'d>>> {
     let mut found = Vec::with_capacity(files.len());
     for (number, file) in files.iter().enumerate() {
-        let document = parsed(&file.text);
+        let document = parsed(file);
         if let Err(error) = &document {
-            let at = offset(&file.text, error.pos());
+            let at = offset(file, error.pos());
             let message = format!("this is not well-formed XML: {error}");
             mistakes.add(Spot::new(number, at..at + 1), message, "correct it here");
         }

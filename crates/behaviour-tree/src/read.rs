@@ -3,7 +3,7 @@
 use diagnostic::{MOST_SHOWN, Problem, Source};
 
 use crate::expand::{Drafted, Expansion, cannot_go_on, with_preconditions};
-use crate::files::{Definitions, Includer, documents, with_included};
+use crate::files::{Definitions, Includer, documents, lenient, with_included};
 use crate::mistakes::Mistakes;
 use crate::tree::{BehaviourTree, Kind, Leaf, Node};
 use crate::{expand, names, notes};
@@ -31,7 +31,8 @@ pub fn read(
 ) -> Result<Reading, Problem> {
     let mut mistakes = Mistakes::default();
     let files = with_included(source, include, &mut mistakes);
-    let documents = documents(&files, &mut mistakes);
+    let texts: Vec<String> = files.iter().map(|it| lenient(&it.text)).collect();
+    let documents = documents(&texts, &mut mistakes);
     let definitions = Definitions::of(&documents, &mut mistakes);
     let main = match mistakes.is_empty() {
         true => definitions.main_tree(main, &mut mistakes),

@@ -246,3 +246,13 @@ fn retries_count_and_the_chain_is_small() {
     // For each of three rounds: executed, succeeded, failed, decided; two ends.
     assert_eq!(states, 3 * 4 + 2);
 }
+
+/// As the parser that BehaviorTree.CPP uses takes it.
+#[test]
+fn scripts_may_have_bare_ampersands() {
+    let found = reading(&tree("<X _skipIf=\"a && b &lt; 2 &amp;&amp; !c\"/>"));
+    let (_, script) = &found.tree.node(found.tree.root()).preconditions[0];
+    assert_eq!(script.text, "a && b < 2 && !c");
+    let text = to_prism(&found.tree, &Options::default()).text;
+    assert!(text.contains("_skipIf=\"a && b < 2 && !c\" is true"), "{text}");
+}
