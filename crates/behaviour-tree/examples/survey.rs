@@ -33,7 +33,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 models += 1;
                 noted += usize::from(notes > 0);
                 whole += usize::from(opaque > 0);
-                println!("{}: {constants} constants, {notes} notes, {opaque} nodes taken whole", source.name);
+                println!(
+                    "{}: {constants} constants, {notes} notes, {opaque} nodes taken whole",
+                    source.name
+                );
             }
             Err(problem) => {
                 println!("{}: {}", source.name, problem.line());
@@ -41,7 +44,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
         }
     }
-    println!("{trees} files with trees; {models} become a model, {noted} of them with notes, {whole} with nodes taken whole");
+    println!(
+        "{trees} files with trees; {models} become a model, {noted} of them with notes, {whole} with nodes taken whole"
+    );
     for (message, count) in refused {
         println!("{count} refused: {message}");
     }
@@ -59,7 +64,9 @@ fn tried(source: &Source) -> Result<(usize, usize, usize), Problem> {
     let reading = read(source, None, &mut include)?;
     let model = to_prism(&reading.tree, &Options::default());
     let leaves = reading.tree.leaves();
-    let opaque = leaves.filter(|(_, it)| it.kind == Kind::Leaf(Leaf::Whole)).count();
+    let opaque = leaves
+        .filter(|(_, it)| it.kind == Kind::Leaf(Leaf::Whole))
+        .count();
     Ok((reading.notes.len(), opaque, model.constants.len()))
 }
 

@@ -254,5 +254,8 @@ fn scripts_may_have_bare_ampersands() {
     let (_, script) = &found.tree.node(found.tree.root()).preconditions[0];
     assert_eq!(script.text, "a && b < 2 && !c");
     let text = to_prism(&found.tree, &Options::default()).text;
-    assert!(text.contains("_skipIf=\"a && b < 2 && !c\" is true"), "{text}");
+    assert!(
+        text.contains("_skipIf=\"a && b < 2 && !c\" is true"),
+        "{text}"
+    );
 }
