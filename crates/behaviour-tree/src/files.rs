@@ -1,6 +1,6 @@
 //! The files of a tree: the one that is asked for and those that it includes, and what they define.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use diagnostic::{Problem, Source};
 use roxmltree::{Document, Node, ParsingOptions};
@@ -144,6 +144,15 @@ impl<'d> Element<'d> {
     }
 }
 
+/// The tree that is executed.
+pub(crate) struct Main<'d> {
+    /// Its ID; may be empty.
+    pub id: String,
+    pub element: Element<'d>,
+    /// Whether it is named, or the only one.
+    pub is_named: bool,
+}
+
 /// What the files define.
 #[derive(Debug, Default)]
 pub(crate) struct Definitions<'d> {
@@ -230,26 +239,26 @@ impl<'d> Definitions<'d> {
         }
     }
 
-    /// The tree that is executed: as asked for, as the first file says, or the only one.
-    pub fn main_tree(
-        &self,
-        asked: Option<&str>,
-        mistakes: &mut Mistakes,
-    ) -> Option<(String, Element<'d>)> {
-        let named = asked.or(self.main);
-        if let Some(id) = named {
+    /// The tree that is executed: as asked for, as the first file says, the only one, or the only one that is part of no other.
+    pub fn main_tree(&self, asked: Option<&str>, mistakes: &mut Mistakes) -> Option<Main<'d>> {
+        let main = |id: &str, element: Element<'d>, is_named: bool| Main {
+            id: id.to_owned(),
+            element,
+            is_named,
+        };
+        if let Some(id) = asked.or(self.main) {
             if let Some(element) = self.trees.get(id) {
-                return Some((id.to_owned(), *element));
+                return Some(main(id, *element, true));
             }
             let message = format!("the tree to execute, `{id}`, is not defined");
             mistakes.add(Spot::new(0, 0..0), message, self.known_trees(id));
             return None;
         }
-        let only = self.trees.iter().next().filter(|_| self.trees.len() == 1);
-        match (only, self.nameless) {
-            (Some((id, element)), None) => Some(((*id).to_owned(), *element)),
-            (None, Some(element)) if self.trees.is_empty() => Some((String::new(), element)),
-            (None, None) if self.trees.is_empty() => {
+        let outer = self.outer_trees();
+        match (&outer[..], self.nameless) {
+            ([(id, element)], None) => Some(main(id, *element, self.trees.len() == 1)),
+            ([], Some(element)) if self.trees.is_empty() => Some(main("", element, true)),
+            ([], None) if self.trees.is_empty() => {
                 let message = "there is no `BehaviorTree`";
                 mistakes.add(Spot::new(0, 0..0), message, "name a file that has one");
                 None
@@ -260,6 +269,15 @@ impl<'d> Definitions<'d> {
                 None
             }
         }
+    }
+
+    /// The trees that are part of no other.
+    fn outer_trees(&self) -> Vec<(&'d str, Element<'d>)> {
+        let elements = self.trees.values().flat_map(|it| it.node.descendants());
+        let inner = elements.filter(|it| matches!(it.tag_name().name(), "SubTree" | "SubTreePlus"));
+        let inner: BTreeSet<&str> = inner.filter_map(|it| it.attribute("ID")).collect();
+        let trees = self.trees.iter().filter(|(id, _)| !inner.contains(*id));
+        trees.map(|(id, element)| (*id, *element)).collect()
     }
 
     fn known_trees(&self, id: &str) -> String {

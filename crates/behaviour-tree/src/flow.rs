@@ -176,10 +176,10 @@ impl Making<'_> {
     /// A point, of which commands will be made.
     fn point(&mut self, id: NodeId, at: At) -> Target {
         let key = (id, at);
-        if !self.flow.points.contains_key(&key) {
-            self.flow.points.insert(key, Vec::new());
+        self.flow.points.entry(key).or_insert_with(|| {
             self.open.push_back(key);
-        }
+            Vec::new()
+        });
         Target::new(key)
     }
 

@@ -40,19 +40,25 @@ pub fn read(
     };
     let mut drafted = Vec::new();
     let mut id = String::new();
-    if let Some((name, element)) = main {
+    let mut found = Mistakes::default();
+    if let Some(main) = main {
         let mut expansion = Expansion::new(&definitions, &files, &mut mistakes);
-        let open = element.attribute("ID").unwrap_or_default();
-        expansion.tree(open, element);
+        let open = main.element.attribute("ID").unwrap_or_default();
+        expansion.tree(open, main.element);
         drafted = expansion.nodes;
-        id = name;
+        if !main.is_named {
+            let message =
+                format!("`{open}` is taken for the tree to execute: it is part of no other");
+            let remedy = "write `main_tree_to_execute` on `<root>` if it is another one";
+            found.note(main.element.spot(), message, remedy);
+        }
+        id = main.id;
     }
     if let Some(problem) = mistakes.into_problem(&files) {
         return Err(problem);
     }
     make_whole(&mut drafted);
     let tree = labelled(id, &mut drafted);
-    let mut found = Mistakes::default();
     let mut is_inside = vec![false; drafted.len()];
     tree.nodes().for_each(|(id, _)| is_inside[id.0] = true);
     notes::add(&drafted, &is_inside, &mut found);

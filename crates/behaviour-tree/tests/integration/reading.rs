@@ -71,6 +71,17 @@ fn what_cannot_be_found_is_said() {
         "<BehaviorTree ID=\"A\"><X/></BehaviorTree><BehaviorTree ID=\"B\"><X/></BehaviorTree>",
     );
     assert!(codes(&two).2.contains("several trees"));
+    // One that is part of no other is taken, and that is said.
+    let outer = root(
+        "<BehaviorTree ID=\"A\"><X/></BehaviorTree><BehaviorTree ID=\"B\"><SubTree ID=\"A\"/></BehaviorTree>",
+    );
+    let found = reading(&outer);
+    assert_eq!(found.tree.id, "B");
+    assert!(
+        found.notes[0]
+            .message()
+            .contains("`B` is taken for the tree to execute")
+    );
     let twice = root(
         "<BehaviorTree ID=\"A\"><X/></BehaviorTree><BehaviorTree ID=\"A\"><X/></BehaviorTree>",
     );
