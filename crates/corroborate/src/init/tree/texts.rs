@@ -264,10 +264,12 @@ impl Drafted {
             let names: Vec<String> = guessed.iter().map(|it| format!("`{}`", it.name)).collect();
             let _ = write!(text, " Guesses are: {}.", names.join(", "));
         }
-        text.push_str(
-            " A log has changes of status alone: an execution that ends like the one before, without a reset between them, is not in it. \
-             Executions that were halted count neither as success nor as failure.",
-        );
+        if self.runs.is_some() {
+            text.push_str(
+                " A log has changes of status alone: an execution that ends like the one before, without a reset between them, is not in it. \
+                 Executions that were halted count neither as success nor as failure.",
+            );
+        }
         text
     }
 
