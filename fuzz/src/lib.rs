@@ -404,6 +404,39 @@ pub fn topic_map(bytes: &[u8]) {
     }
 }
 
+/// Reads a behaviour tree and writes its model: mistakes have remedies, labels are unique, and the model is one.
+pub fn behaviour_tree(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    let source = diagnostic::Source::new("tree.xml", text);
+    let other = diagnostic::Source::new("other.xml", text);
+    let read = behaviour_tree::read(&source, None, &mut |_: &str, _: &str| Ok(other.clone()));
+    let reading = match read {
+        Ok(reading) => reading,
+        Err(problem) => {
+            assert!(problem.what_to_do().is_some(), "no remedy: {problem:?}");
+            return;
+        }
+    };
+    for conditions in [
+        behaviour_tree::Conditions::DrawnAgain,
+        behaviour_tree::Conditions::Kept,
+    ] {
+        let options = behaviour_tree::Options {
+            conditions,
+            ..behaviour_tree::Options::default()
+        };
+        let model = behaviour_tree::to_prism(&reading.tree, &options);
+        let parsed = prism_lang::parse_model(&model.text).into_result();
+        let parsed = parsed.unwrap_or_else(|error| panic!("{error:?}\n{}", model.text));
+        let names: Vec<&str> = model.constants.iter().map(|it| it.name.as_str()).collect();
+        let none = prism_lang::Constants::new();
+        prism_lang::resolve_open(&parsed, &none, &none, &names)
+            .unwrap_or_else(|error| panic!("{error:?}\n{}", model.text));
+    }
+}
+
 /// Reads a robot's or scene's description, whose every file is the description itself; what could be read can be posed,
 /// written and read again.
 pub fn robot(bytes: &[u8]) {

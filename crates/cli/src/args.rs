@@ -156,7 +156,7 @@ pub enum Command {
     Pack(Pack),
     /// Check that every figure of a result follows from its evidence, or every byte of an evidence pack.
     Verify(Verify),
-    /// Make a new study: from a template, a robot's description or a recording.
+    /// Make a new study: from a template, a robot's description, a recording or a behaviour tree.
     Init(Init),
     /// Show the keys of a study's files, or their JSON Schemas for an editor.
     Schema(SchemaOfFile),
@@ -311,16 +311,20 @@ Examples:
   corroborate init my-study && corroborate run my-study
   corroborate init my-cell --template cobot
   corroborate init my-robot --from robot.urdf
-  corroborate init my-runs --from run.mcap")]
+  corroborate init my-runs --from run.mcap
+  corroborate init my-plan --from tree.xml --recordings runs")]
 pub struct Init {
     /// The folder to make.
     pub folder: PathBuf,
     /// Which template it is made of; the list is below.
     #[arg(long, value_name = "NAME", conflicts_with = "from")]
     pub template: Option<String>,
-    /// Draft it from a robot's description (URDF, SDF, MJCF) or a recording (MCAP, a bag, CSV, JSON lines, ...) instead.
+    /// Draft it from a robot's description (URDF, SDF, MJCF), a recording (MCAP, a bag, CSV, JSON lines, ...) or a behaviour tree (XML of BehaviorTree.CPP) instead.
     #[arg(long, value_name = "FILE")]
     pub from: Option<PathBuf>,
+    /// Count how the behaviour tree's nodes ended: a recording with Nav2's `/behavior_tree_log`, a folder of them, or a CSV with the columns node and status.
+    #[arg(long, value_name = "PATH", requires = "from")]
+    pub recordings: Option<PathBuf>,
 }
 
 /// Arguments of `explain`.

@@ -1,4 +1,4 @@
-//! `corroborate init`: a new study, from a template or drafted from a robot's description or a recording.
+//! `corroborate init`: a new study, from a template or drafted from a robot's description, a recording or a behaviour tree.
 
 use super::{Done, json};
 use crate::args::Init;
@@ -19,6 +19,7 @@ pub fn init(arguments: &Init) -> Result<Done, Problem> {
             Some(file) => InitSource::File(file.clone()),
             None => InitSource::Template(template),
         },
+        recordings: arguments.recordings.clone(),
         extra: schemas()?,
     })?;
     Ok(Done {
@@ -39,7 +40,7 @@ fn schemas() -> Result<Vec<NewFile>, Problem> {
 }
 
 /// What is worth a line of its own, and what it says.
-const SHOWN: [(&str, &str); 6] = [
+const SHOWN: [(&str, &str); 7] = [
     (
         "README.md",
         "what there is, what the first run shows, what to change first",
@@ -49,6 +50,7 @@ const SHOWN: [(&str, &str); 6] = [
     ("vocabulary.toml", "what its words mean to each technique"),
     ("ledger.toml", "which evidence is to be produced"),
     ("simulation/scene.toml", "what is simulated"),
+    ("counts/by_run.csv", "executions by leaf and run"),
 ];
 
 fn text(folder: &Path, report: &InitReport) -> String {

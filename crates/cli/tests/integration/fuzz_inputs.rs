@@ -154,6 +154,11 @@ fn descriptions_of_robots() {
 }
 
 #[test]
+fn behaviour_trees() {
+    replay("behaviour_tree", targets::behaviour_tree);
+}
+
+#[test]
 fn packs() {
     replay("pack", targets::pack);
 }

@@ -4,6 +4,7 @@ mod architecture;
 mod assurance;
 mod bad_checks;
 mod bad_input;
+mod behaviour_trees;
 mod calibrate;
 mod campaign;
 mod case_study;

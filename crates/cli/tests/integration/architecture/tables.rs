@@ -1,7 +1,7 @@
 //! What the architecture allows, as data.
 
 /// Every crate, its floor, and which of our crates it may use.
-pub const CRATES: [(&str, u8, &[&str]); 31] = [
+pub const CRATES: [(&str, u8, &[&str]); 32] = [
     ("diagnostic", 0, &[]),
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
@@ -12,6 +12,7 @@ pub const CRATES: [(&str, u8, &[&str]); 31] = [
     ("checker", 1, &["prism-lang", "temporal", "stats"]),
     ("certifier", 1, &["prism-lang"]),
     ("fault-tree", 1, &["diagnostic", "stats"]),
+    ("behaviour-tree", 1, &["diagnostic"]),
     ("recording", 1, &["trace"]),
     ("requirement-lang", 1, &["temporal", "trace"]),
     (
@@ -140,6 +141,7 @@ pub const CRATES: [(&str, u8, &[&str]); 31] = [
             "testbench",
             "campaign",
             "fault-tree",
+            "behaviour-tree",
             "evidence",
             "refinement",
         ],

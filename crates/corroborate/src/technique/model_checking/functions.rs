@@ -10,6 +10,11 @@ use query::explore;
 use std::collections::BTreeMap;
 use study::FormText;
 
+/// With more open constants than these in more states than [`MANY_STATES`], functions grow so that the model is solved at all
+/// points before they are found.
+const MOST_OPEN: usize = 4;
+const MANY_STATES: usize = 1_000;
+
 /// What a question gives at one point of the constants.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Rate {
@@ -108,6 +113,9 @@ impl<'a> Compiled<'a> {
                 false => Ok(None),
             };
         };
+        if open.len() > MOST_OPEN && space.num_states() > MANY_STATES {
+            return Ok(None);
+        }
         let texts = self.texts().into_iter();
         let properties: Vec<_> = texts
             .map(|text| self.property(&model, text))

@@ -10,7 +10,7 @@
 //! (common random numbers), and at the nodes of quadrature rules from which each constant's share in the variance
 //! follows (Sobol' indices, `stats::propagation`). Where the answers are rational functions of the constants
 //! (`checker::parametric`), these are found once and evaluated at each point, at more of them if floating point
-//! suffices; else the model is solved at each.
+//! suffices there; else the model is solved at each.
 //!
 //! A model with choices is solved for its least and its greatest probability over all schedulers at each point. Each end
 //! has a distribution; the interval reaches from the lower limit of the least to the upper limit of the greatest, each at
@@ -26,7 +26,7 @@
 //! error. Beside them stand robust bounds, which hold (see [`super::robust`]).
 
 use super::answer::answer;
-use super::functions::{Ends, Rate};
+use super::functions::{Ends, Functions, Rate};
 use super::{Compiled, MAX_STATES, schedulers};
 use crate::technique::Influence;
 use crate::technique::counted::{CountedConstant, Sources};
@@ -42,6 +42,9 @@ use study::{FormText, Method};
 /// Points at which functions are evaluated where floating point suffices for them, which costs nearly nothing, for each
 /// constant and two more.
 const POINTS_OF_FUNCTIONS: usize = 8192;
+
+/// Points at which functions are tried before they are evaluated at all others.
+const POINTS_TRIED: usize = 64;
 
 /// A change of a probability below this is rounding.
 const NO_EFFECT: f64 = 1e-9;
@@ -100,6 +103,7 @@ impl Compiled<'_> {
         let level = crate::technique::confidence(self.study.about.confidence)?;
         let sources = Sources::of(counted);
         let functions = self.functions(counted, &|| interrupt.is_cancelled())?;
+        let functions = functions.filter(|it| !self.is_slow_about(it, &sources));
         let means: Vec<f64> = sources
             .posteriors
             .iter()
@@ -160,6 +164,16 @@ impl Compiled<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Whether floating point suffices for the functions at the means and not about them: in rational arithmetic a point
+    /// takes longer than to solve the model there.
+    fn is_slow_about(&self, functions: &Functions<'_, '_>, sources: &Sources) -> bool {
+        let means: Vec<f64> = sources.posteriors.iter().map(|it| it.mean()).collect();
+        let design =
+            stats::SharesDesign::new(&sources.posteriors, POINTS_TRIED, self.study.about.seed);
+        let is_quick = |point: &[f64]| functions.is_quick_at(&sources.constants_at(point));
+        is_quick(&means) && !design.rows().iter().all(|point| is_quick(point))
     }
 
     /// The questions' values with the counted constants at one point; `None`
