@@ -23,7 +23,9 @@
 //! supports and another denies is no conflict by itself: their rates may lie close on either side of the threshold.
 //!
 //! Then what denies the requirement under other conditions is added: a requirement is asked under each of them. A model
-//! that denies it there gives way to trials of the system under the same conditions that support it.
+//! that denies it there gives way to trials of the system under the same conditions that support it. Trials of the system that leave
+//! it open there leave it undecided where evidence of as many steps speaks of those conditions: then which of both comes first in
+//! the ledger decides nothing.
 //!
 //! # Assumes
 //! The standings are those of tests that hold their levels, and all trials of the system under the same conditions speak of
@@ -63,6 +65,9 @@ pub(super) fn decide(judged: &[Judged], apart: &Apart) -> Decided {
     let decided = decide_here(&here, apart);
     let elsewhere = denied_elsewhere(judged);
     match (decided, elsewhere) {
+        ((Verdict::Satisfied, Some(Step::System)), None) if !left_open(judged).is_empty() => {
+            (Verdict::Undecided, None)
+        }
         ((Verdict::NotCovered | Verdict::Conflicting, _), _) | (_, None) => decided,
         ((Verdict::Violated, step), other) => (Verdict::Violated, step.max(other)),
         (_, other) => (Verdict::Violated, other),
@@ -177,6 +182,32 @@ fn denied_elsewhere(judged: &[Judged]) -> Option<Step> {
     let elsewhere = judged.iter().filter(|it| it.standing.elsewhere);
     let denies = elsewhere.filter(|it| is_denial(it, judged));
     denies.map(|it| it.standing.step).max()
+}
+
+/// The trials of the system that leave the requirement open under conditions of which evidence of as many steps speaks as of those of
+/// the verdict: neither of both is the study's main one, so that the requirement is asked under both alike.
+pub(super) fn left_open(judged: &[Judged]) -> Vec<&Judged> {
+    let steps = |of: &dyn Fn(&&Judged) -> bool| {
+        let steps = judged.iter().filter(of).map(|it| it.standing.step);
+        let mut steps: Vec<Step> = steps.collect();
+        steps.sort_unstable();
+        steps.dedup();
+        steps.len()
+    };
+    let here = steps(&|it| !it.standing.elsewhere);
+    let is_open = |it: &&Judged| {
+        let is_of_system = |other: &Judged| {
+            other.standing.elsewhere
+                && other.decides
+                && other.conditions == it.conditions
+                && other.standing.step == Step::System
+        };
+        let mut there = judged.iter().filter(|other| is_of_system(other));
+        is_of_system(it)
+            && there.all(|other| other.standing.standing == Standing::Neither)
+            && steps(&|other| other.standing.elsewhere && other.conditions == it.conditions) >= here
+    };
+    judged.iter().filter(is_open).collect()
 }
 
 /// Whether a piece under other conditions denies the requirement and no trials of the system there support it.
@@ -328,6 +359,23 @@ mod tests {
             decide(&pieces, &Apart::default()),
             (Verdict::Undecided, None)
         );
+    }
+
+    #[test]
+    fn what_is_open_under_conditions_that_weigh_as_much_is_undecided() {
+        let night = piece("E", System, Supports);
+        let open = [night.clone(), elsewhere(System, Neither)];
+        assert_eq!(decide(&open, &Apart::default()), (Verdict::Undecided, None));
+        let satisfied = (Verdict::Satisfied, Some(System));
+        let shown = [night.clone(), elsewhere(System, Supports)];
+        assert_eq!(decide(&shown, &Apart::default()), satisfied);
+        // Conditions of which a model speaks, too, are the main ones.
+        let main = [
+            night,
+            piece("M", Model, Neither),
+            elsewhere(System, Neither),
+        ];
+        assert_eq!(decide(&main, &Apart::default()), satisfied);
     }
 
     #[test]

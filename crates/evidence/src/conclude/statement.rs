@@ -3,7 +3,7 @@
 //! All of it is made from the standings, so that no sentence can contradict a figure beside it.
 
 use super::judge::{Asked, Level};
-use super::ladder::{Judged, is_denial, lean_apart};
+use super::ladder::{Judged, is_denial, lean_apart, left_open};
 use super::words;
 use crate::compare::Belief;
 use crate::compare::words::{list, points};
@@ -28,6 +28,7 @@ impl Statement<'_> {
         sentences.extend(self.figures());
         sentences.extend(self.not_carried_over());
         sentences.extend(self.elsewhere());
+        sentences.extend(self.open_elsewhere());
         sentences.extend(self.conflicts());
         sentences.extend(self.contrary_models());
         sentences.extend(self.contrary_trials());
@@ -132,6 +133,26 @@ impl Statement<'_> {
             .collect();
         (!figures.is_empty())
             .then(|| format!("Refuted under other conditions: {}.", figures.join("; ")))
+    }
+
+    /// What is shown under some conditions and left open under others that weigh as much.
+    fn open_elsewhere(&self) -> Option<String> {
+        let supporting = self.judged.iter().find(|it| {
+            let standing = &it.standing;
+            it.decides
+                && !standing.elsewhere
+                && (standing.step, standing.standing) == (Step::System, Standing::Supports)
+        })?;
+        let open = left_open(self.judged);
+        let figures: Vec<&str> = open.iter().map(|it| it.standing.words.as_str()).collect();
+        (self.verdict == Verdict::Undecided && !open.is_empty()).then(|| {
+            format!(
+                "{} supports it under its conditions ({}); under others of which as much speaks it is open: {}.",
+                supporting.standing.evidence,
+                supporting.conditions,
+                figures.join("; ")
+            )
+        })
     }
 
     fn conflicts(&self) -> Vec<String> {

@@ -247,7 +247,7 @@ impl Diagnosing<'_> {
         let explained = explained(edit, before, &after, &is_timed);
         let explained = explained.filter(|it| is_said || !it.is_constant(&evidence));
         let explained = explained.map(|it| Explained {
-            hides: self.hidden_by(&evidence),
+            hides: self.hidden_by(&evidence, &it.pairs),
             prior: match !is_said && it.is_plain(&self.result.evidence, &evidence) {
                 true => PLAIN,
                 false if it.was_plain(&self.result.evidence, &evidence) => WAS_PLAIN,
@@ -594,12 +594,15 @@ impl Diagnosing<'_> {
         simulation::findings(study, &judges, &judged, &names)
     }
 
-    /// Requirements that a piece misses as it is and meets as it then is.
-    fn hidden_by(&self, evidence: &[Evidence]) -> Vec<String> {
+    /// Requirements among what an edit explains that a piece misses as it is and meets as it then is.
+    fn hidden_by(&self, evidence: &[Evidence], pairs: &Pairs) -> Vec<String> {
         let mut found = Vec::new();
         for (now, then) in self.result.evidence.iter().zip(evidence) {
             for requirement in &self.study.requirements {
                 let subject = Subject::Requirement(requirement.id.clone());
+                if pairs.keys().all(|(.., of)| *of != subject) {
+                    continue;
+                }
                 let meets = |piece: &Evidence| {
                     let rate = piece.finding(&subject)?.measure.estimate()?;
                     Some(match &requirement.threshold {

@@ -3,7 +3,7 @@
 //! # Definition
 //! Of a property or a formula of a subject in disagreement, one at a time: a negation left out, or put before a proposition;
 //! `|` for `&`, `or` for `and`, and back; an implication for a conjunction, and back; `F` for `G`, `eventually` for `always`, and
-//! back, of the same or of its negation, or without its limit of time; of a failure mode also that what its monitor or its column names comes about. In a formula also a quantity, a number or a comparison, as in the binding of a
+//! back, of the same or of its negation, or without its limit of time; two propositions in each other's place; of a failure mode also that what its monitor or its column names comes about. In a formula also a quantity, a number or a comparison, as in the binding of a
 //! proposition ([`super::quantities`]), in a property a whole number. Limits of time are in [`super::limits`], other propositions in [`super`].
 //!
 //! # Assumes
@@ -277,6 +277,31 @@ fn rewritten(text: &str, is_proposition: &dyn Fn(&str) -> bool, negation: &str) 
             _ => {}
         }
     }
+    found.extend(exchanged(text, is_proposition));
+    found
+}
+
+/// Every text in which two propositions have each other's place, each text once.
+fn exchanged(text: &str, is_proposition: &dyn Fn(&str) -> bool) -> Vec<String> {
+    let places: Vec<Range<usize>> = tokens(text)
+        .into_iter()
+        .filter(|place| is_proposition(&text[place.clone()]))
+        .collect();
+    let mut found = Vec::new();
+    for (number, one) in places.iter().enumerate() {
+        for other in &places[number + 1..] {
+            let [first, second] = [one, other].map(|it| &text[it.clone()]);
+            let new = format!(
+                "{}{second}{}{first}{}",
+                &text[..one.start],
+                &text[one.end..other.start],
+                &text[other.end..]
+            );
+            if first != second && !found.contains(&new) {
+                found.push(new);
+            }
+        }
+    }
     found
 }
 
@@ -371,6 +396,9 @@ mod tests {
                 "always (left => (shut or not lost))",
                 "always (left => (shut => not lost))",
                 "always (left => (shut and lost))",
+                "always (shut => (left and not lost))",
+                "always (lost => (shut and not left))",
+                "always (left => (lost and not shut))",
             ]
         );
     }
@@ -388,6 +416,7 @@ mod tests {
                 "P=? [ F<=30 \"left\" | !\"lost\" ]",
                 "P=? [ F<=30 \"left\" => !\"lost\" ]",
                 "P=? [ F<=30 \"left\" & \"lost\" ]",
+                "P=? [ F<=30 \"lost\" & !\"left\" ]",
             ]
         );
         let given = rewritten("P=? [ F \"lost\" || G !\"left\" ]", &is_proposition, "!");
@@ -400,6 +429,7 @@ mod tests {
                 "P=? [ F \"lost\" || F !\"left\" ]",
                 "P=? [ F \"lost\" || F \"left\" ]",
                 "P=? [ F \"lost\" || G \"left\" ]",
+                "P=? [ F \"left\" || G !\"lost\" ]",
             ]
         );
     }
