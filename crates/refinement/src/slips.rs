@@ -242,9 +242,8 @@ impl Slip {
                 commands: [first, second],
             } => {
                 let all = commands(&read.tree);
-                let spans = [first, second].map(|it| command_of(&all, *it).map(guard_of));
-                let [first, second] = spans;
-                let (first, second) = (first?, second?);
+                let first = command_of(&all, *first)?.guard.span;
+                let second = command_of(&all, *second)?.guard.span;
                 let written = |span: Span| read.text[span.start..span.end].to_owned();
                 Ok(vec![
                     Edit::replace(first, written(second)),
@@ -261,10 +260,6 @@ impl Slip {
 
 fn command_of<'a>(all: &[&'a Command], place: usize) -> Result<&'a Command, Refusal> {
     Ok(*all.get(place).ok_or("the model has no such command")?)
-}
-
-fn guard_of(command: &Command) -> Span {
-    command.guard.span
 }
 
 impl Ground<'_> {

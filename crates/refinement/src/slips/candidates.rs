@@ -16,15 +16,17 @@ const STEPS: [i64; 4] = [1, -1, 2, -2];
 
 /// All of them with their kinds, those of few places first.
 pub(super) fn slips(read: &Read<'_>) -> Vec<(u8, Slip)> {
-    let of = |kind: u8, all: Vec<Slip>| all.into_iter().map(move |it| (kind, it));
-    of(5, digits_of_numbers(read))
-        .chain(of(0, whole_numbers(read)))
-        .chain(of(6, beginnings(read)))
-        .chain(of(1, moved_bounds(read)))
-        .chain(of(2, parts(read)))
-        .chain(of(3, exchanges(read)))
-        .chain(of(4, redirected(read)))
-        .collect()
+    let kinds = [
+        digits_of_numbers(read),
+        whole_numbers(read),
+        beginnings(read),
+        moved_bounds(read),
+        parts(read),
+        exchanges(read),
+        redirected(read),
+    ];
+    let with_kind = |(kind, all): (u8, Vec<Slip>)| all.into_iter().map(move |it| (kind, it));
+    (0..).zip(kinds).flat_map(with_kind).collect()
 }
 
 /// A part of a guard or formula, and what else may have been meant.
