@@ -281,7 +281,7 @@ class StudyResult:
 
     @property
     def comparisons(self) -> Table:
-        """One row for each pair of evidence on each subject: ``outcome``, ``difference`` (left minus right) with its interval,
+        """One row for each pair of evidence on each subject: ``outcome``, ``difference`` (right minus left) with its interval,
         ``margin``, p-values of a difference and of equivalence."""
         return Table(self._outcome.comparisons())
 
