@@ -119,7 +119,7 @@ fn a_decision_process_gives_a_range_over_all_schedulers_given_the_trigger() {
         // From 65 to 90 %: that some scheduler comes near is no agreement of the model.
         assert_eq!(comparison["outcome"], "inconclusive", "{comparison}");
         let reason = comparison["reason"].as_str().expect("a reason");
-        assert!(reason.contains("no agreement of the model"), "{reason}");
+        assert!(reason.contains("does not make the model agree"), "{reason}");
     }
     // Beyond the best scheduler, and below the worst one.
     for passed in [60, 12] {

@@ -220,7 +220,7 @@ impl Pair {
         };
         let meaning = match width > self.margin {
             true if self.is_too_wide() => {
-                ", more than the margin: that some scheduler comes so near is no agreement of the model"
+                ", more than the margin: that some scheduler comes so near does not make the model agree"
             }
             true => ", more than the margin: agreement of so wide ranges says little",
             false => "",
