@@ -17,8 +17,9 @@
 //!
 //! Each is solved and tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts. It has to explain all,
 //! and more than the number of such changes makes likely by chance. No number is fitted. It stands before the other changes where each
-//! of these leaves something in strong disagreement, or explains less even if a number that is solved for costs [`CHANCE`] decades alone,
-//! and before all numbers where it is one of digits, of which there are few; else behind them, where it explains about as much.
+//! of these leaves something in strong disagreement, or explains less even if a number that is solved for costs [`CHANCE`] decades alone;
+//! else behind them, where it explains less by at most [`BEHIND`] decades: a number that is solved for is right to within the counts
+//! whether the wrong one was a slip of digits or any other.
 //!
 //! # Assumes
 //! That one place is wrong. All kinds are equally likely before, and so are all changes of one kind.
@@ -37,7 +38,7 @@ mod candidates;
 
 use crate::counts::Counts;
 use crate::idle::{declared, others_tried};
-use crate::model_change::{AS_GOOD, Changed, ModelChange, Read, Refusal, Solver, Values};
+use crate::model_change::{Changed, ModelChange, Read, Refusal, Solver, Values};
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
 use crate::structure::{FREE_VALUE, Rewriting, Tried};
@@ -62,6 +63,9 @@ const MOST_VALUES: i64 = 12;
 /// Decades that a number which is solved for costs beside slips: the share of all values that agree as well with the counts is about a
 /// tenth. (What it costs beside changes of structure, [`FREE_VALUE`], is a guess that spares numbers less.)
 const CHANCE: f64 = 1.0;
+
+/// Decades by which a slip may explain less than a number and is offered behind it.
+const BEHIND: f64 = 1.5;
 
 /// One slip that is taken back.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -311,12 +315,8 @@ impl Ground<'_> {
             self.put_first((model, own), before, explaining, found);
             return;
         }
-        let (digits, others): (Vec<_>, Vec<_>) = explaining
-            .into_iter()
-            .partition(|it| matches!(it.change.0, Slip::Digits { .. }));
-        self.put_first((model, own), before, digits, found);
-        if best >= most - AS_GOOD {
-            self.put_last((model, own), others, found);
+        if best >= most - BEHIND {
+            self.put_last((model, own), explaining, found);
         }
     }
 }

@@ -116,7 +116,7 @@ fn a_decision_process_gives_a_range_over_all_schedulers_given_the_trigger() {
             (Some(0.0), Some(1.0))
         );
         let comparison = &result["comparisons"][0];
-        // From 65 to 90 %: that some scheduler comes near is no agreement of the model.
+        // From 65 to 90 %: that some scheduler comes near does not make the model agree.
         assert_eq!(comparison["outcome"], "inconclusive", "{comparison}");
         let reason = comparison["reason"].as_str().expect("a reason");
         assert!(reason.contains("does not make the model agree"), "{reason}");

@@ -99,7 +99,7 @@ fn a_timing_that_the_text_denies_is_put_right() {
 fn a_scope_that_hides_what_is_counted_is_left_out() {
     let (file, line, diff) = first(
         "The tug shall with probability at least 0.8 never",
-        "While ready, the tug shall with probability at least 0.8 never",
+        "While on_road, the tug shall with probability at least 0.8 never",
     );
     assert_eq!((file.as_str(), line), ("requirements.toml", 5), "{diff}");
     assert!(

@@ -9,6 +9,7 @@ use prism_lang::ast::{
     Assignment, BinaryOp, Expr, ExprKind, ModuleBody, Type, UnaryOp, VariableRange,
 };
 use prism_lang::edit;
+use prism_lang::resolved::ModelType;
 use std::collections::BTreeSet;
 
 /// How far a whole number is moved.
@@ -198,8 +199,9 @@ fn whole_numbers(read: &Read<'_>) -> Vec<Slip> {
     found
 }
 
-/// Constants of type `double` whose digits are others: one minus the value, ten times and a tenth of it.
+/// Constants of type `double` whose digits are others: one minus the value where it is no rate, ten times and a tenth of it.
 fn digits_of_numbers(read: &Read<'_>) -> Vec<Slip> {
+    let is_of_rates = read.model.model_type == ModelType::Ctmc;
     let mut found = Vec::new();
     for constant in &read.tree.constants {
         let written = constant
@@ -209,7 +211,8 @@ fn digits_of_numbers(read: &Read<'_>) -> Vec<Slip> {
         let Some((written, value)) = written.zip(read.constant(&constant.name.text)) else {
             continue;
         };
-        let chance = (0.0..1.0).contains(&value).then_some(1.0 - value);
+        let chance = (0.0..1.0).contains(&value) && !is_of_rates;
+        let chance = chance.then_some(1.0 - value);
         let others = chance.into_iter().chain([value * 10.0, value / 10.0]);
         let others = others.filter(|it| *it > 0.0 && (*it - value).abs() > f64::EPSILON);
         found.extend(others.map(|new| Slip::Digits {
