@@ -17,9 +17,10 @@
 //!
 //! Each is solved and tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts. It has to explain all,
 //! and more than the number of such changes makes likely by chance. No number is fitted. It stands before the other changes where each
-//! of these leaves something in strong disagreement, or explains less even if a number that is solved for costs [`CHANCE`] decades alone;
-//! else behind them, where it explains less by at most [`BEHIND`] decades: a number that is solved for is right to within the counts
-//! whether the wrong one was a slip of digits or any other.
+//! of these leaves something in strong disagreement, or where it explains several rates, no branch is enough, and every number that is
+//! solved for explains less even if it costs [`CHANCE`] decades alone; else behind them, where it explains less by at most [`BEHIND`]
+//! decades. (One rate is given by some slip or other nearly always, and a number that is solved for is right to within the counts
+//! whether the wrong one was a slip of digits or any other.)
 //!
 //! # Assumes
 //! That one place is wrong. All kinds are equally likely before, and so are all changes of one kind.
@@ -38,7 +39,7 @@ mod candidates;
 
 use crate::counts::Counts;
 use crate::idle::{declared, others_tried};
-use crate::model_change::{Changed, ModelChange, Read, Refusal, Solver, Values};
+use crate::model_change::{Changed, ModelChange, Read, Refusal, Solver, Values, value_of};
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
 use crate::structure::{FREE_VALUE, Rewriting, Tried};
@@ -63,6 +64,9 @@ const MOST_VALUES: i64 = 12;
 /// Decades that a number which is solved for costs beside slips: the share of all values that agree as well with the counts is about a
 /// tenth. (What it costs beside changes of structure, [`FREE_VALUE`], is a guess that spares numbers less.)
 const CHANCE: f64 = 1.0;
+
+/// Values that differ by less are the same.
+const SAME_VALUE: f64 = 1e-9;
 
 /// Decades by which a slip may explain less than a number and is offered behind it.
 const BEHIND: f64 = 1.5;
@@ -304,18 +308,23 @@ impl Ground<'_> {
             let trial = self.tried(&own.id, before, changed.at_last());
             !trial.is_harmful() && !trial.repairs.is_empty() && explains_all(changed.at_last())
         };
-        let enough = found
-            .changes
-            .iter()
-            .map(|it| &it.1)
-            .filter(|it| is_enough(it));
+        let enough = found.changes.iter().filter(|it| is_enough(&it.1));
+        let enough: Vec<&(ModelChange, Changed)> = enough.collect();
+        // What gives the same values is the same change in other words.
+        let is_known = |values: &Values| {
+            let mut all = found.changes.iter();
+            all.any(|(_, it)| are_same(it.at_last(), values))
+        };
+        explaining.retain(|it| !is_known(&it.values));
+        let is_structural = enough.iter().any(|(change, _)| {
+            matches!(change, ModelChange::Branchless { .. }) || change.is_of_lacking_branch()
+        });
+        let is_checked = explaining.iter().all(|it| it.subjects.len() > 1);
         // As if they cost less.
-        let most = self.heaviest(own, before, enough) + FREE_VALUE - CHANCE;
-        if best >= most {
+        let most = self.heaviest(own, before, enough.iter().map(|it| &it.1)) + FREE_VALUE - CHANCE;
+        if enough.is_empty() || is_checked && !is_structural && best >= most {
             self.put_first((model, own), before, explaining, found);
-            return;
-        }
-        if best >= most - BEHIND {
+        } else if best >= most - BEHIND {
             self.put_last((model, own), explaining, found);
         }
     }
@@ -346,6 +355,15 @@ impl Rewriting for Slip {
             tried,
         }
     }
+}
+
+/// Whether two texts of a model answer the same.
+fn are_same(one: &Values, other: &Values) -> bool {
+    one.iter()
+        .all(|(subject, value)| match (value, value_of(other, subject)) {
+            (Some(a), Some(b)) => (a - b).abs() < SAME_VALUE,
+            (a, b) => a.is_none() && b.is_none(),
+        })
 }
 
 /// The model with the change, solved.
