@@ -438,10 +438,11 @@ impl ModelChange {
     pub fn is_of_lacking_branch(&self) -> bool {
         match self {
             Self::Branch { at, .. } => at.is_some(),
-            Self::Split { .. } | Self::Idle { .. } | Self::Slip { .. } => true,
+            Self::Split { .. } | Self::Idle { .. } => true,
             Self::Rate { .. }
             | Self::Solve { .. }
             | Self::Branchless { .. }
+            | Self::Slip { .. }
             | Self::Once { .. } => false,
         }
     }

@@ -18,8 +18,8 @@ shall = "The tug shall with probability at least 0.5 within 5 s satisfy across."
 margin = 0.03
 [[requirement]]
 id = "coupled"
-text = "In at least 80 % of the crossings the dollies stay coupled on the road."
-shall = "Whenever on_road, the tug shall with probability at least 0.8 immediately satisfy held."
+text = "In at least 60 % of the crossings the dollies stay coupled on the road."
+shall = "Whenever on_road, the tug shall with probability at least 0.6 immediately satisfy held."
 margin = 0.03
 "#;
 
@@ -46,14 +46,14 @@ module tug
   s : [0..2] init 0;
   near : bool init false;
   held : bool init true;
-  [] s=0 -> 0.3 : (s'=0) + 0.63 : (s'=1) + 0.07 : (s'=1) & (held'=false);
+  [] s=0 -> 0.3 : (s'=0) + 0.56 : (s'=1) + 0.14 : (s'=1) & (held'=false);
   [] s=1 -> 0.9 : (s'=2) + 0.1 : (s'=2) & (near'=true);
   [] s=2 -> true;
 endmodule
 ";
 
-// 0.1 are passed near; 1 - 0.3^4 have entered after four steps and crossed after five; a tenth has lost the dollies by then.
-const COUNTS: &str = "requirement,covered,passed,failed\nclear,2000,1800,200\nover,2000,1984,16\ncoupled,2000,1800,200\n";
+// 0.1 are passed near; 1 - 0.3^4 have entered after four steps and crossed after five; a fifth has lost the dollies by then.
+const COUNTS: &str = "requirement,covered,passed,failed\nclear,2000,1800,200\nover,2000,1984,16\ncoupled,2000,1600,400\n";
 
 fn study(old: &str, new: &str) -> Planted {
     assert!(REQUIREMENTS.contains(old), "no `{old}`");

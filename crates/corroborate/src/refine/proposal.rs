@@ -158,7 +158,10 @@ pub enum Change {
 
 /// Whether a change says which branches a model has.
 pub fn is_of_structure(change: &ModelChange) -> bool {
-    matches!(change, ModelChange::Branchless { .. }) || change.is_of_lacking_branch()
+    matches!(
+        change,
+        ModelChange::Branchless { .. } | ModelChange::Slip { .. }
+    ) || change.is_of_lacking_branch()
 }
 
 /// Whose counts a number of an entry was solved for.
