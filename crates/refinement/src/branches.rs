@@ -398,15 +398,7 @@ pub(crate) fn without(
 ) -> Result<Changed, Refusal> {
     let read = Read::new(text)?;
     let new = branch.make(&read)?;
-    Ok(Changed {
-        what: branch.in_words(&read).unwrap_or_default(),
-        values: solver.values(&new)?,
-        text: new,
-        constant: None,
-        notes: Vec::new(),
-        alternatives: Vec::new(),
-        settled: None,
-    })
+    Changed::rewritten(new, branch.in_words(&read).unwrap_or_default(), solver)
 }
 
 #[cfg(test)]

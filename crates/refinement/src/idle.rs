@@ -337,15 +337,7 @@ pub(crate) fn others_tried(count: usize) -> String {
 pub(crate) fn with(text: &str, solver: &dyn Solver, change: &Idle) -> Result<Changed, Refusal> {
     let read = Read::new(text)?;
     let new = change.make(&read)?;
-    Ok(Changed {
-        what: change.words(text),
-        values: solver.values(&new)?,
-        text: new,
-        constant: None,
-        notes: Vec::new(),
-        alternatives: Vec::new(),
-        settled: None,
-    })
+    Changed::rewritten(new, change.words(text), solver)
 }
 
 /// What a guard of the model asks for that no update leads to, with the guard's line, from 1: what is never taken.

@@ -214,6 +214,23 @@ impl Alternative {
 }
 
 impl Changed {
+    /// A model rewritten to another text, in which no number was fitted, solved.
+    pub(crate) fn rewritten(
+        text: String,
+        what: String,
+        solver: &dyn Solver,
+    ) -> Result<Self, Refusal> {
+        Ok(Self {
+            what,
+            values: solver.values(&text)?,
+            text,
+            constant: None,
+            notes: Vec::new(),
+            alternatives: Vec::new(),
+            settled: None,
+        })
+    }
+
     /// What the model answers when all is made that belongs to the change.
     #[must_use]
     pub fn at_last(&self) -> &Values {

@@ -370,15 +370,7 @@ fn are_same(one: &Values, other: &Values) -> bool {
 pub(crate) fn with(text: &str, solver: &dyn Solver, change: &Slip) -> Result<Changed, Refusal> {
     let read = Read::new(text)?;
     let new = change.make(&read)?;
-    Ok(Changed {
-        what: change.words(text),
-        values: solver.values(&new)?,
-        text: new,
-        constant: None,
-        notes: Vec::new(),
-        alternatives: Vec::new(),
-        settled: None,
-    })
+    Changed::rewritten(new, change.words(text), solver)
 }
 
 #[cfg(test)]

@@ -167,15 +167,7 @@ impl Rewriting for Split {
 pub(crate) fn with(text: &str, solver: &dyn Solver, split: &Split) -> Result<Changed, Refusal> {
     let read = Read::new(text)?;
     let new = split.make(&read)?;
-    Ok(Changed {
-        what: split.words(text),
-        values: solver.values(&new)?,
-        text: new,
-        constant: None,
-        notes: Vec::new(),
-        alternatives: Vec::new(),
-        settled: None,
-    })
+    Changed::rewritten(new, split.words(text), solver)
 }
 
 /// The probabilities that are declared and stand nowhere else but in comments.

@@ -586,8 +586,7 @@ impl Pair {
         }
     }
 
-    /// Whether one side alone is a range over all schedulers, and wider than the margin: that some scheduler comes near a rate does not
-    /// make the model equivalent to it, of which other schedulers are farther than the margin away.
+    /// Whether one side alone is a range over all schedulers, and wider than the margin: some schedulers are farther than it away.
     pub fn is_too_wide(&self) -> bool {
         match [&self.first, &self.second].map(Belief::width_of_range) {
             [Some(width), None] | [None, Some(width)] => width > self.margin,
@@ -595,8 +594,7 @@ impl Pair {
         }
     }
 
-    /// Whether equivalence is shown, of the p-value where there is one and by the posterior probability otherwise; never of a range that
-    /// is too wide.
+    /// Whether equivalence is shown, of the p-value where there is one, else by the posterior probability; of no range that is too wide.
     pub fn is_shown(&self, p_equivalence: Option<f64>, level: Confidence) -> bool {
         if self.is_too_wide() {
             return false;
