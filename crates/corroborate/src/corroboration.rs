@@ -191,6 +191,7 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
     let undecided = evidence::undecided(&to_compare, &mut comparisons, &study.costs);
     let mut conclusions = evidence::conclude(&to_compare, &comparisons);
     evidence::bear_clustering(&to_compare, &mut comparisons, &mut conclusions);
+    say_where_texts_differ(study, &mut conclusions);
     let synthesis = evidence::synthesise(
         &to_compare,
         (&comparisons, undecided),
@@ -233,6 +234,19 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         costs,
         produced_by: format!("corroborate {}", env!("CARGO_PKG_VERSION")),
     })
+}
+
+/// Adds to a verdict that the requirement's text states another rate or time than what it was judged by: who reads the verdict
+/// beside the text would else take it for one on the text.
+fn say_where_texts_differ(study: &Study, conclusions: &mut [evidence::Conclusion]) {
+    for conclusion in conclusions {
+        let subject = Subject::Requirement(conclusion.requirement.clone());
+        let form = study.forms.of(&subject);
+        for sentence in form.map_or_else(Vec::new, |form| form.text_differs()) {
+            conclusion.statement.push(' ');
+            conclusion.statement.push_str(&sentence);
+        }
+    }
 }
 
 /// A requirement is asked under every condition that the study declares, so that one under which nothing looked is a gap,

@@ -18,7 +18,7 @@
 //! # Cost
 //! One solution for each pair: those with the first update of a command come first, and the others of it follow only if one of
 //! these moves a value that is in disagreement. At most [`MOST_BRANCHES`] in all; of a large model fewer, so that states times
-//! solutions stay below [`MOST_WORK`].
+//! solutions stay below [`crate::model_offers::MOST_WORK`].
 
 use crate::counts::anchors;
 use crate::model_change::{
@@ -27,6 +27,7 @@ use crate::model_change::{
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
 use crate::structure::{Explaining, Tried};
+use crate::trial::SAME_VALUE;
 use crate::unreached::Place;
 use crate::unused::is_used;
 use evidence::{Evidence, Subject};
@@ -38,17 +39,11 @@ use prism_lang::resolved::ModelType;
 /// Solutions for the branches of one model, at most.
 const MOST_BRANCHES: usize = 200;
 
-/// States times solutions, at most.
-const MOST_WORK: u64 = 20_000_000;
-
 /// Branches that are offered for one subject, at most.
 const MOST_OFFERS: usize = 4;
 
 /// Sums that differ by less are the same.
 const SAME_SUM: f64 = 1e-12;
-
-/// Values that differ by less are the same.
-const SAME_VALUE: f64 = 1e-9;
 
 /// A branch of a command that is taken out, whatever the model's text is by then.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -353,8 +348,7 @@ fn solved(
     read: &Read<'_>,
     (subjects, before): (&[Subject], &Values),
 ) -> Vec<Tried<(Branch, String)>> {
-    let affordable = MOST_WORK / model.states.unwrap_or(1).max(1);
-    let mut left = MOST_BRANCHES.min(usize::try_from(affordable).unwrap_or(MOST_BRANCHES));
+    let mut left = model.affordable(MOST_BRANCHES, 1);
     let mut found = Vec::new();
     let is_moved = |values: &Values| {
         subjects.iter().any(|subject| {

@@ -25,7 +25,7 @@
 //!
 //! # Cost
 //! One solution for each; at most [`MOST_CHANGES`] in all, of a large model fewer, so that states times solutions stay below
-//! [`MOST_WORK`].
+//! [`crate::model_offers::MOST_WORK`].
 
 mod candidates;
 
@@ -44,9 +44,6 @@ use prism_lang::edit::{self, Edit};
 
 /// Changes that are tried, at most.
 const MOST_CHANGES: usize = 400;
-
-/// States times solutions, at most.
-const MOST_WORK: u64 = 20_000_000;
 
 /// What makes a model come to a value that it declares or asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -276,8 +273,7 @@ impl Ground<'_> {
         if self.in_conflict(own, before).is_empty() {
             return;
         }
-        let affordable = MOST_WORK / model.states.unwrap_or(1).max(1);
-        let most = MOST_CHANGES.min(usize::try_from(affordable).unwrap_or(MOST_CHANGES));
+        let most = model.affordable(MOST_CHANGES, 1);
         let made = changes(&read)
             .into_iter()
             .take(most)

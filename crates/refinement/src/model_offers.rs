@@ -71,6 +71,17 @@ pub struct Model<'a> {
     pub states: Option<u64>,
 }
 
+/// States times solutions that one kind of change may cost, at most.
+pub(crate) const MOST_WORK: u64 = 20_000_000;
+
+impl Model<'_> {
+    /// How many changes are tried that cost so many solutions each: at most `most`, of a large model fewer.
+    pub(crate) fn affordable(&self, most: usize, solutions: u64) -> usize {
+        let affordable = MOST_WORK / solutions / self.states.unwrap_or(1).max(1);
+        most.min(usize::try_from(affordable).unwrap_or(most))
+    }
+}
+
 /// Changes of one model, each made alone.
 #[derive(Clone, Debug, Default)]
 pub struct ModelOffers {

@@ -18,7 +18,7 @@
 //!
 //! # Cost
 //! Some ten solutions of the model for each of at most [`MOST_NUMBERS`] numbers and each requirement; of a large model
-//! fewer are tried, so that states times solutions stay below [`MOST_WORK`].
+//! fewer are tried, so that states times solutions stay below [`crate::model_offers::MOST_WORK`].
 
 use crate::counts::{Counts, anchors};
 use crate::draws::names_of;
@@ -33,13 +33,10 @@ use crate::solve::{Scale, crossing};
 use evidence::{Evidence, Measure, Outcome, STRONG, Subject};
 
 /// Numbers that are solved for, at most: those that come first in the text.
-const MOST_NUMBERS: u64 = 40;
+const MOST_NUMBERS: usize = 40;
 
 /// Solutions for one number, about.
 const SOLUTIONS: u64 = 12;
-
-/// States times solutions, at most.
-const MOST_WORK: u64 = 20_000_000;
 
 /// Offers for one requirement, at most.
 const MOST_OFFERS: usize = 4;
@@ -91,7 +88,7 @@ impl Ground<'_> {
         let numbers = named_numbers(text).into_iter();
         let numbers = numbers
             .filter(|it| it.value > 0.0 && own.calibrated.iter().all(|of| of.parameter != it.name));
-        for number in numbers.take(MOST_NUMBERS as usize) {
+        for number in numbers.take(MOST_NUMBERS) {
             let scale = Scale::of(number.value, false);
             let solved = |value: f64| solver.values(&number.set(text, value)).ok();
             let mut rate = |value: f64| value_of(&solved(value)?, &wanted.subject);
@@ -157,7 +154,7 @@ impl Ground<'_> {
             // What the model answers is asked again: a value of another method, or given its trigger, is not this one.
             let is_this = matches!(
                 &own.finding(subject)?.measure,
-                Measure::Probability { answer, .. } if (answer.value - (*value)?).abs() < SAME_VALUE
+                Measure::Probability { answer, .. } if (answer.value - (*value)?).abs() < SAME_ANSWER
             );
             let counts = anchors(self.evidence, own, subject).into_iter().next()?;
             let apart = self.strongest(own, subject, *value);
@@ -202,11 +199,11 @@ impl Ground<'_> {
         let is_counted = |name: &str| own.calibrated.iter().any(|it| it.parameter == name);
         let mut names = numbers(&read);
         names.retain(|number| !rests_on(number, &read, &is_counted));
-        let affordable = MOST_WORK / SOLUTIONS / model.states.unwrap_or(1).max(1);
+        let affordable = model.affordable(MOST_NUMBERS, SOLUTIONS);
         if affordable == 0 {
             return Err("the model has too many states for its numbers to be tried".into());
         }
-        names.truncate(affordable.min(MOST_NUMBERS) as usize);
+        names.truncate(affordable);
         let left = |values: &Values| self.disagreement(model.evidence, values);
         let solved = solved(
             model.text,
@@ -283,5 +280,5 @@ fn rests_on(number: &Number, read: &Read<'_>, is_one: &dyn Fn(&str) -> bool) -> 
     false
 }
 
-/// Values that differ by less are the same.
-const SAME_VALUE: f64 = 1e-6;
+/// Answers of the solver that differ by less are the same.
+const SAME_ANSWER: f64 = 1e-6;

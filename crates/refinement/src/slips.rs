@@ -33,7 +33,7 @@
 //!
 //! # Cost
 //! One solution for each; at most [`MOST_CHANGES`] in all, of a large model fewer, so that states times solutions stay below
-//! [`MOST_WORK`].
+//! [`crate::model_offers::MOST_WORK`].
 
 mod candidates;
 
@@ -43,6 +43,7 @@ use crate::model_change::{Changed, ModelChange, Read, Refusal, Solver, Values, v
 use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
 use crate::structure::{FREE_VALUE, Rewriting, Tried};
+use crate::trial::SAME_VALUE;
 use candidates::{bounds, places, slips};
 use evidence::{STRONG, Subject};
 use prism_lang::Span;
@@ -51,9 +52,6 @@ use prism_lang::edit::{self, Edit};
 
 /// Changes that are tried, at most.
 const MOST_CHANGES: usize = 600;
-
-/// States times solutions, at most.
-const MOST_WORK: u64 = 20_000_000;
 
 /// How far two commands stand apart that may have each other's guards.
 const NEAR_BY: usize = 2;
@@ -64,9 +62,6 @@ const MOST_VALUES: i64 = 12;
 /// Decades that a number which is solved for costs beside slips: the share of all values that agree as well with the counts is about a
 /// tenth. (What it costs beside changes of structure, [`FREE_VALUE`], is a guess that spares numbers less.)
 const CHANCE: f64 = 1.0;
-
-/// Values that differ by less are the same.
-const SAME_VALUE: f64 = 1e-9;
 
 /// Decades by which a slip may explain less than a number and is offered behind it.
 const BEHIND: f64 = 1.5;
@@ -287,8 +282,7 @@ impl Ground<'_> {
         if self.in_conflict(own, before).is_empty() {
             return;
         }
-        let affordable = MOST_WORK / model.states.unwrap_or(1).max(1);
-        let most = MOST_CHANGES.min(usize::try_from(affordable).unwrap_or(MOST_CHANGES));
+        let most = model.affordable(MOST_CHANGES, 1);
         let made = slips(&read).into_iter().take(most);
         let tried = made.filter_map(|(kind, change)| {
             let text = change.make(&read).ok()?;

@@ -34,6 +34,7 @@
 use crate::counts::{Counts, anchors};
 use crate::model_change::{AS_GOOD, Alternative, Changed, ModelChange, Values, value_of};
 use crate::model_offers::{Ground, Model, ModelOffers};
+use crate::trial::SAME_VALUE;
 use evidence::{Evidence, Guarantee, Measure, Outcome, Rate, STRONG, Subject, signed_strength};
 use std::collections::BTreeMap;
 
@@ -48,9 +49,6 @@ const UNLIKELY: f64 = 0.05;
 
 /// The most that a model counts against a change that explains as much as another.
 const OF_MODEL: f64 = 2.0;
-
-/// Values that differ by less are the same.
-const SAME_VALUE: f64 = 1e-9;
 
 /// What a piece that is asked again may differ by from what the run kept.
 const SAME_ANSWER: f64 = 1e-6;

@@ -40,7 +40,7 @@ const MOVED: f64 = 0.1;
 const LESS: f64 = 0.3;
 
 /// Values that differ by less are the same.
-const SAME_VALUE: f64 = 1e-9;
+pub(crate) const SAME_VALUE: f64 = 1e-9;
 
 /// A pair of the changed model and another piece.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]

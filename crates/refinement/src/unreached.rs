@@ -18,7 +18,7 @@
 //!
 //! # Cost
 //! Some twelve solutions for each place: at most [`MOST_PLACES`], of a large model fewer, so that states times solutions stay below
-//! [`MOST_WORK`].
+//! [`crate::model_offers::MOST_WORK`].
 
 use crate::counts::{Counts, anchors};
 use crate::draws::{self, Equality};
@@ -36,9 +36,6 @@ const MOST_PLACES: usize = 40;
 
 /// Solutions for one place, about.
 const SOLUTIONS: u64 = 12;
-
-/// States times solutions, at most.
-const MOST_WORK: u64 = 20_000_000;
 
 /// Places that are offered, at most.
 const MOST_OFFERS: usize = 3;
@@ -175,8 +172,7 @@ impl Ground<'_> {
         (read, before): (&Read<'_>, &Values),
         (word, counts): (&Word, &Counts),
     ) -> Vec<(ModelChange, Found)> {
-        let affordable = MOST_WORK / SOLUTIONS / model.states.unwrap_or(1).max(1);
-        let most = MOST_PLACES.min(usize::try_from(affordable).unwrap_or(MOST_PLACES));
+        let most = model.affordable(MOST_PLACES, SOLUTIONS);
         let places = places(read, &word.meaning);
         let tried = places.len().min(most).max(1) as f64;
         let made = places.into_iter().take(most).filter_map(|place| {

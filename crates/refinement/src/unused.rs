@@ -14,7 +14,7 @@
 //!
 //! # Cost
 //! One solution for each; at most [`MOST_SPLITS`] in all, of a large model fewer, so that states times solutions stay below
-//! [`MOST_WORK`].
+//! [`crate::model_offers::MOST_WORK`].
 
 use crate::counts::Counts;
 use crate::model_change::{Changed, ModelChange, Read, Refusal, Solver, Values};
@@ -29,9 +29,6 @@ use prism_lang::resolved::ModelType;
 
 /// Divided updates that are tried, at most.
 const MOST_SPLITS: usize = 400;
-
-/// States times solutions, at most.
-const MOST_WORK: u64 = 20_000_000;
 
 /// An update that is divided by a constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -118,8 +115,7 @@ impl Ground<'_> {
         if constants.is_empty() || subjects.is_empty() {
             return;
         }
-        let affordable = MOST_WORK / model.states.unwrap_or(1).max(1);
-        let most = MOST_SPLITS.min(usize::try_from(affordable).unwrap_or(MOST_SPLITS));
+        let most = model.affordable(MOST_SPLITS, 1);
         let tried = splits(model, &read, &constants).into_iter().take(most);
         let tried = tried.filter_map(|split| {
             let text = split.make(&read).ok()?;

@@ -5,7 +5,7 @@
 //! so that no file can write escape sequences to the reader's terminal.
 
 use evidence::{
-    Conclusion, CopyKind, DescriptionGap, LineageQuestion, Measure, Outcome, Requirement,
+    Conclusion, CopyKind, DescriptionGap, Evidence, LineageQuestion, Measure, Outcome, Requirement,
     StudyResult, Technique,
 };
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
@@ -234,12 +234,33 @@ fn matrix(page: &mut Page, view: View) {
     let styled = page.styled(&heads, "2");
     page.line(&styled);
     for requirement in &view.study.requirements {
-        let cells: String = techniques
+        let current: Vec<Vec<&Evidence>> = techniques
             .iter()
-            .map(|t| cell(page, view, requirement, *t, column))
+            .map(|t| view.current(requirement, *t))
             .collect();
-        let id = pad(&clean(&requirement.id), ids);
-        page.line(&format!("{id}{cells}"));
+        // Trials of several batches stand below each other.
+        let lines = current.iter().map(Vec::len).max().unwrap_or(0).max(1);
+        for line in 0..lines {
+            let pieces = techniques.iter().zip(&current);
+            let cells: String = pieces
+                .map(|(technique, pieces)| match (pieces.get(line), line) {
+                    (None, 1..) => pad("", column),
+                    (piece, _) => cell(
+                        page,
+                        view,
+                        (requirement, *technique),
+                        piece.copied(),
+                        column,
+                    ),
+                })
+                .collect();
+            let id = if line == 0 {
+                clean(&requirement.id)
+            } else {
+                String::new()
+            };
+            page.line(&format!("{}{cells}", pad(&id, ids)));
+        }
     }
     let words = format!(
         "Intervals are {}, of computed values credible; the marks are those of the one-sided limits above{}.",
@@ -252,14 +273,12 @@ fn matrix(page: &mut Page, view: View) {
 fn cell(
     page: &Page,
     view: View,
-    requirement: &Requirement,
-    technique: Technique,
+    (requirement, technique): (&Requirement, Technique),
+    piece: Option<&Evidence>,
     column: usize,
 ) -> String {
-    let current = view.current(requirement, technique);
     let subject = view.quantity(requirement);
-    let last = current.last();
-    let Some((evidence, finding)) = last.and_then(|e| Some((e, e.finding(&subject)?))) else {
+    let Some((evidence, finding)) = piece.and_then(|e| Some((e, e.finding(&subject)?))) else {
         return pad(words::not_shown(view.study, &subject, technique), column);
     };
     let mark = view.mark(requirement, &evidence.id, &finding.measure);

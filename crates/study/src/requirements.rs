@@ -128,6 +128,15 @@ pub struct SubjectForm {
 }
 
 impl SubjectForm {
+    /// That its text states another rate or time than it is judged by, a sentence for each.
+    #[must_use]
+    pub fn text_differs(&self) -> Vec<String> {
+        let both = [&self.other_rate, &self.other_duration];
+        let said = both.into_iter().flatten();
+        said.map(|it| format!("Of its wording: {}.", it.message()))
+            .collect()
+    }
+
     /// What has a meaning that is perhaps not meant.
     fn warnings(&self, source: &Source) -> Vec<Problem> {
         let sentence = self.sentence.as_ref();

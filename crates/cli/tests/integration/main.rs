@@ -11,6 +11,7 @@ mod case_study;
 mod cell;
 mod ci;
 mod cloakroom;
+mod cohorts_apart;
 mod command_rig;
 mod commands;
 mod conditions;

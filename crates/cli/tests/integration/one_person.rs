@@ -100,23 +100,31 @@ fn a_declaration_that_does_not_fit_the_table_is_refused_with_what_to_do() {
 
 #[test]
 fn a_text_that_states_another_rate_than_the_threshold_is_said_once_with_its_place() {
-    let (_, err, _) = run(&study(
+    let (out, err, _) = run(&study(
         "It is kept in at least 95 % of attempts.",
         "P1,398,400",
         "",
     ));
     assert_eq!(err.matches("text-threshold").count(), 1, "{err}");
+    // Beside the verdict, too, which whoever reads the page alone sees.
+    assert!(
+        out.contains(
+            "Of its wording: the text states at least 95 %, and the threshold is at least 90 %."
+        ),
+        "{out}"
+    );
     assert!(
         err.contains("the text states at least 95 %, and the threshold is at least 90 %"),
         "{err}"
     );
     assert!(err.contains("requirements.toml:3:"), "{err}");
-    let (_, err, _) = run(&study(
+    let (out, err, _) = run(&study(
         "It is kept in at least 90 % of attempts.",
         "P1,398,400",
         "",
     ));
     assert!(!err.contains("text-threshold"), "{err}");
+    assert!(!out.contains("Of its wording"), "{out}");
 }
 
 /// A parameter that was changed without its text; and a text that says more, or the same in another unit.

@@ -15,6 +15,7 @@
 
 mod alike;
 mod by_subject;
+mod columns;
 mod episodes;
 pub mod groups;
 mod junit;
@@ -35,7 +36,7 @@ use evidence::{
 };
 use host::store::Inputs;
 use placed::{in_row, table_problem};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use study::{Binding, Study, SubjectForm, TableFiles};
 use trace::Table;
@@ -61,6 +62,8 @@ pub struct Tables {
 struct Cohort {
     attempts: Vec<u64>,
     table: Table,
+    /// The bindings that other cohorts of the study count (`columns.rs`).
+    left_to_others: BTreeSet<String>,
 }
 
 #[derive(Debug)]
@@ -361,6 +364,9 @@ impl Tables {
         let Some(binding) = binding else {
             return Ok(None);
         };
+        if cohort.left_to_others.contains(&binding.text) {
+            return Ok(None);
+        }
         cohort.has_column(study, binding)?;
         cohort.counts(&binding.text).map(Some)
     }
@@ -478,7 +484,11 @@ impl Cohort {
         if let Some(first) = table.columns().next() {
             check_unique(&table, &first.as_texts())?;
         }
-        let cohort = Self { attempts, table };
+        let cohort = Self {
+            attempts,
+            left_to_others: columns::left_to_others(study, &table),
+            table,
+        };
         cohort.check_codes(study)?;
         Ok(cohort)
     }

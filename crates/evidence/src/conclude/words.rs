@@ -1,6 +1,7 @@
 //! The figures of a verdict in words. A limit is rounded away from its threshold's side, so that it never seems to lie on
 //! the other one.
 
+use super::CERTAINTY;
 use super::stand::ClaimLevels;
 use crate::compare::Belief;
 use crate::compare::words::{p_value, percent, probability};
@@ -92,7 +93,14 @@ pub(super) fn piece(
             percent_down(bounds.low),
             percent_up(bounds.high)
         ),
-        Belief::Known { value, .. } => format!("{id}: computed {}{given}", percent(*value)),
+        Belief::Known { value, .. } => format!(
+            "{id}: computed {}{given}",
+            // As many digits as show on which side of the threshold it lies, where that is not within rounding.
+            match (*value - threshold.value).abs() > CERTAINTY {
+                true => with_digits(*value, threshold.value, f64::round, percent),
+                false => percent(*value),
+            }
+        ),
         Belief::Range { ends, .. } => {
             let (level, doubt) = match leans_to_met {
                 true => (levels.met, p_not_met),
@@ -316,5 +324,14 @@ mod tests {
         assert_eq!(upper(0.9412, 0.95), "94.2 %");
         assert_eq!(upper(1.0, 0.95), "100 %");
         assert_eq!(lower(0.0, 0.95), "0 %");
+    }
+
+    #[test]
+    fn a_known_value_shows_on_which_side_of_the_threshold_it_lies() {
+        let of = |value| with_digits(value, 0.3, f64::round, percent);
+        assert_eq!(of(0.300_000_1), "30.00001 %");
+        assert_eq!(of(0.299_999_99), "29.999999 %");
+        assert_eq!(of(0.31), "31 %");
+        assert_eq!(of(1e-13), "practically 0 %");
     }
 }

@@ -32,7 +32,9 @@ impl Alike {
                 .get(form.experiment.as_ref()?)?;
             Some(binding.column.as_ref()?.text.as_str())
         });
-        let bindings: BTreeSet<&str> = counted_by.collect();
+        let bindings: BTreeSet<&str> = counted_by
+            .filter(|binding| !cohort.left_to_others.contains(*binding))
+            .collect();
         let (mut columns, mut counts) = (Vec::new(), Vec::new());
         for binding in bindings {
             let by_subject = cohort.counts(binding)?;

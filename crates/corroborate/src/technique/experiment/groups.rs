@@ -67,7 +67,9 @@ pub fn alike_rows(study: &Study) -> Result<(Vec<AlikeRows>, u64), Problem> {
         let groupings = groupings(&told.table, &headers);
         let line = told.table.columns().next().map_or(0, |it| it.line(0));
         let mut strongest: Option<AlikeRows> = None;
-        for (subject, binding) in counted_by(study) {
+        let counted = counted_by(study).into_iter();
+        let here = counted.filter(|(_, binding)| !cohort.left_to_others.contains(*binding));
+        for (subject, binding) in here {
             let rows = cohort.counts(binding)?;
             for (groups, p_value) in tested(&rows, &groupings) {
                 tests += 1;

@@ -23,7 +23,9 @@ impl Cohort {
             let proposition = form.experiment.as_ref()?;
             let binding = study.vocabulary.propositions.get(proposition)?;
             let column = binding.column.as_ref()?;
-            matches!(form.subject, Subject::Requirement(_)).then_some(&column.text)
+            let is_counted = matches!(form.subject, Subject::Requirement(_))
+                && !self.left_to_others.contains(&column.text);
+            is_counted.then_some(&column.text)
         });
         let by_subject = first.map(|column| self.counts(column)).transpose()?;
         let mut found = match (first, &by_subject) {

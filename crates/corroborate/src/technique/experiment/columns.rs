@@ -1,0 +1,46 @@
+//! Which columns a cohort may lack.
+//!
+//! # Definition
+//! The tables of one study may count different things: one campaign what was dropped, another how long people waited. A column by
+//! which something is counted is *left to others* where this cohort lacks it, has another one by which something is counted, and
+//! another cohort of the ledger has it. What is counted by it is then not covered here.
+//!
+//! # Guarantee
+//! A column that no cohort of the study has is a mistake, of the table or of the vocabulary, and so is a cohort that counts nothing: a
+//! misspelt header never turns trials into silence.
+
+use std::collections::BTreeSet;
+use study::Study;
+use trace::Table;
+
+/// The bindings whose columns this cohort leaves to others.
+pub(super) fn left_to_others(study: &Study, table: &Table) -> BTreeSet<String> {
+    let propositions = study.forms.subjects.iter().filter_map(|form| {
+        let proposition = study
+            .vocabulary
+            .propositions
+            .get(form.experiment.as_ref()?)?;
+        Some(proposition.column.as_ref()?.text.as_str())
+    });
+    let bindings: BTreeSet<&str> = propositions.collect();
+    let has = |headers: &[String], binding: &str| {
+        let wanted = header(binding);
+        headers.iter().any(|header| header == wanted)
+    };
+    let (own, lacking): (Vec<&str>, Vec<&str>) = bindings
+        .into_iter()
+        .partition(|binding| has(table.headers(), binding));
+    if own.is_empty() || lacking.is_empty() {
+        return BTreeSet::new();
+    }
+    // A table that cannot be read is the mistake of its own entry.
+    let cohorts = super::repeated::tables(study).unwrap_or_default();
+    let elsewhere = |binding: &&str| cohorts.iter().any(|it| has(it.table.headers(), binding));
+    let left = lacking.into_iter().filter(elsewhere);
+    left.map(str::to_owned).collect()
+}
+
+/// The header of the column that a binding names: `failures` of `failures: drop`.
+fn header(binding: &str) -> &str {
+    binding.split_once(':').map_or(binding, |it| it.0).trim()
+}
