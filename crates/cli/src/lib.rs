@@ -41,7 +41,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         memory: Arc::new(memory::Memory::unlimited()),
     };
     match command::carry_out(&parsed.command, &host) {
-        Ok(done) => finish(&done),
+        Ok(done) => finish(&parsed.command, &done),
         Err(problem) => {
             let problem = match parsed.command {
                 args::Command::Run(_)
@@ -68,11 +68,17 @@ pub fn pack(
 }
 
 /// Prints the result and turns the outcome into the exit code.
-fn finish(done: &command::Done) -> u8 {
+fn finish(command: &args::Command, done: &command::Done) -> u8 {
     let mut out = std::io::stdout().lock();
-    let printed = out
-        .write_all(done.output.as_bytes())
-        .and_then(|()| out.flush());
+    // The summaries colour what they quote, so they have cleaned it themselves.
+    let is_coloured = matches!(command, args::Command::Run(_) | args::Command::Report(_))
+        && terminal::use_colour();
+    let shown = match done.output.as_bytes().first() {
+        _ if is_coloured => done.output.as_str().into(),
+        Some(b'{' | b'[') => diagnostic::printable_json(&done.output),
+        _ => diagnostic::printable(&done.output),
+    };
+    let printed = out.write_all(shown.as_bytes()).and_then(|()| out.flush());
     match printed {
         // The reader of a pipe may stop early; that is no fault of ours.
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {

@@ -1,7 +1,7 @@
 //! Events on standard error: a bar on a terminal, now and then a line elsewhere.
 
 use crate::shown_problem::rendered;
-use diagnostic::{Problem, Source};
+use diagnostic::{Problem, Source, printable, printable_line};
 use host::files::{MOST_BYTES, too_large};
 use host::{Cancel, Event, Events};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -71,13 +71,14 @@ const LINES_EVERY: Duration = Duration::from_secs(30);
 
 fn show(stages: &mut BTreeMap<u64, Shown>, is_terminal: bool, event: Event) {
     match event {
-        Event::Note { text } => to_stderr(&text),
+        Event::Note { text } => to_stderr(&printable(&text)),
         Event::Mistake { problem } => to_stderr(&rendered(&problem, false)),
         Event::Started {
             stage,
             title,
             total,
         } => {
+            let title = printable_line(&title).into_owned();
             stages.insert(stage, Shown::new(title, total, is_terminal));
         }
         Event::Skipped { stage, steps } => {
@@ -92,6 +93,7 @@ fn show(stages: &mut BTreeMap<u64, Shown>, is_terminal: bool, event: Event) {
             details,
         } => {
             if let Some(shown) = stages.get_mut(&stage) {
+                let details = details.map(|it| printable_line(&it).into_owned());
                 shown.advance(done, left_secs, details);
             }
         }

@@ -4,12 +4,14 @@ mod cancel;
 mod counted;
 mod excerpt;
 mod names;
+mod printable;
 mod problems;
 
 pub use cancel::Cancel;
 pub use counted::counted;
 pub use excerpt::Excerpt;
 pub use names::did_you_mean;
+pub use printable::{printable, printable_json, printable_line};
 pub use problems::Problems;
 
 use std::fmt;

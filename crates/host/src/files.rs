@@ -122,10 +122,12 @@ fn not_text(path: &Path, first_bad: usize) -> Problem {
         .remedy("save the file as UTF-8, or check that it is the file you mean")
 }
 
-/// The bytes of a file. Devices and pipes are refused, since they may have no end, and so is a file that has more than `most`
-/// bytes, before they are read.
-pub fn read_file(path: &Path, most: u64) -> Result<Vec<u8>, Problem> {
-    use std::io::Read;
+/// Opens a file for reading. A pipe, a socket or a device is refused: opening it may wait for a writer for ever, and reading it
+/// need not end.
+///
+/// # Errors
+/// `cannot-read`.
+pub fn open_file(path: &Path) -> Result<File, Problem> {
     let cannot = |error: std::io::Error| Problem::cannot_read(path, &error);
     let metadata = std::fs::metadata(path).map_err(cannot)?;
     if metadata.is_dir() {
@@ -139,9 +141,18 @@ pub fn read_file(path: &Path, most: u64) -> Result<Vec<u8>, Problem> {
         return Err(Problem::new("cannot-read", message)
             .remedy("write what it gives into a file, and name that file"));
     }
+    File::open(path).map_err(cannot)
+}
+
+/// The bytes of a file. Devices and pipes are refused, since they may have no end, and so is a file that has more than `most`
+/// bytes, before they are read.
+pub fn read_file(path: &Path, most: u64) -> Result<Vec<u8>, Problem> {
+    use std::io::Read;
+    let cannot = |error: std::io::Error| Problem::cannot_read(path, &error);
+    let metadata = std::fs::metadata(path).map_err(cannot)?;
     let mut bytes = Vec::new();
+    let file = open_file(path)?;
     if metadata.len() <= most {
-        let file = File::open(path).map_err(cannot)?;
         // It may grow while it is read.
         file.take(most + 1)
             .read_to_end(&mut bytes)

@@ -388,9 +388,8 @@ impl<'r> Reading<'r> {
 
 /// A text that may quote the archive, without what would mean something to a terminal, and no longer than what is read.
 fn plain(text: &str) -> String {
-    let harmful = |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c);
-    let shown = text.chars().take(MOST_SAID);
-    shown.map(|c| if harmful(c) { ' ' } else { c }).collect()
+    let said: String = text.chars().take(MOST_SAID).collect();
+    diagnostic::printable_line(&said).into_owned()
 }
 
 /// How many characters of a fault are told.

@@ -41,6 +41,18 @@ const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 /// The most bytes that tell a format.
 const MAGIC_BYTES: u64 = 16;
 
+/// Opens a file for reading. A pipe, a socket or a device is refused: opening it may wait for a writer for ever, and reading need not
+/// end.
+pub(crate) fn open_file(path: &Path) -> io::Result<File> {
+    match fs::metadata(path)?.is_file() {
+        true => File::open(path),
+        false => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "it is a pipe, a socket or a device, not a file",
+        )),
+    }
+}
+
 /// Finds the format of the recording at `path`.
 ///
 /// # Errors
@@ -57,7 +69,7 @@ pub fn detect(path: &Path) -> Result<Format, ReadError> {
         };
     }
     let mut first = Vec::new();
-    let file = File::open(path).map_err(|error| of_file(error.into()))?;
+    let file = open_file(path).map_err(|error| of_file(error.into()))?;
     file.take(MAGIC_BYTES)
         .read_to_end(&mut first)
         .map_err(|error| of_file(error.into()))?;
@@ -129,7 +141,7 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Box<dyn Reader + Send>
     if format == Format::Rosbag2Folder {
         return rosbag2::open_folder(path, options);
     }
-    let file = || -> io::Result<File> { File::open(path) };
+    let file = || open_file(path);
     let opened = || -> Result<Box<dyn Reader + Send>, ReadError> {
         Ok(match format {
             Format::Mcap => rosbag2::open_mcap(BufReader::new(file()?), options)?,

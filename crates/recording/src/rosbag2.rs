@@ -146,9 +146,9 @@ fn database(
     expected: Option<u64>,
 ) -> Result<DatabaseReader, ReadError> {
     let of_file = |error: io::Error| ReadError::from(error).in_file(path);
-    let main: Box<dyn Source> = Box::new(File::open(path).map_err(of_file)?);
+    let main: Box<dyn Source> = Box::new(crate::open::open_file(path).map_err(of_file)?);
     refuse_journal(path)?;
-    let wal = match File::open(beside(path, "-wal")) {
+    let wal = match crate::open::open_file(&beside(path, "-wal")) {
         Ok(file) => Some(Box::new(file) as Box<dyn Source>),
         Err(error) if error.kind() == io::ErrorKind::NotFound => None,
         Err(error) => return Err(of_file(error)),
@@ -163,7 +163,7 @@ fn refuse_journal(path: &Path) -> Result<(), ReadError> {
     const JOURNAL_MAGIC: [u8; 8] = [0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa1, 0x63, 0xd7];
     let mut first = [0; 8];
     let journal = beside(path, "-journal");
-    let read = File::open(&journal).and_then(|mut file| file.read_exact(&mut first));
+    let read = crate::open::open_file(&journal).and_then(|mut file| file.read_exact(&mut first));
     if read.is_err() || first != JOURNAL_MAGIC {
         return Ok(());
     }

@@ -50,7 +50,7 @@ const HEAD_BYTES: u64 = 4096;
 pub fn is_trace_file(path: &std::path::Path) -> std::io::Result<bool> {
     use std::io::Read;
     let mut head = Vec::new();
-    std::fs::File::open(path)?
+    crate::open::open_file(path)?
         .take(HEAD_BYTES)
         .read_to_end(&mut head)?;
     let name = TRACE_RECORD.as_bytes();

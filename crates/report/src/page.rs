@@ -50,7 +50,7 @@ pub fn render(study: &StudyResult) -> String {
             }
         }
     };
-    page.into_string()
+    diagnostic::printable(&page.into_string()).into_owned()
 }
 
 /// The head of a page that is complete in itself and runs no script but the one with this hash.

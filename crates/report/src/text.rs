@@ -126,10 +126,7 @@ fn wrap(text: &str, width: usize) -> Vec<String> {
 
 /// Without control characters; a no-break space stays inside its word.
 fn clean(text: &str) -> String {
-    let harmful = |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c);
-    text.chars()
-        .map(|c| if harmful(c) { ' ' } else { c })
-        .collect()
+    diagnostic::printable_line(text).into_owned()
 }
 
 fn pieces(word: &str, width: usize) -> Vec<String> {

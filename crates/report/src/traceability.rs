@@ -35,7 +35,7 @@ pub fn traceability(study: &StudyResult, rows: &[TraceRow<'_>]) -> String {
             }
         }
     };
-    page.into_string()
+    diagnostic::printable(&page.into_string()).into_owned()
 }
 
 fn requirement(group: &[TraceRow<'_>]) -> Markup {

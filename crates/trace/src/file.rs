@@ -40,12 +40,25 @@ impl std::error::Error for FileError {
     }
 }
 
+/// What `read` gives of a file. A pipe, a socket or a device is refused: opening it may wait for a writer for ever, and reading it
+/// need not end.
+fn of_file<T>(path: &Path, read: fn(&Path) -> io::Result<T>) -> io::Result<T> {
+    let metadata = fs::metadata(path)?;
+    match metadata.is_file() || metadata.is_dir() {
+        true => read(path),
+        false => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "it is a pipe, a socket or a device, not a file",
+        )),
+    }
+}
+
 /// Reads the whole file at `path`.
 ///
 /// # Errors
 /// [`FileError`] if the operating system refuses.
 pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
-    fs::read(path).map_err(|source| FileError {
+    of_file(path, fs::read).map_err(|source| FileError {
         path: path.to_owned(),
         writing: false,
         source,
@@ -57,7 +70,7 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
 /// # Errors
 /// [`FileError`] if the operating system refuses or the file is no UTF-8 text.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    fs::read_to_string(path).map_err(|source| FileError {
+    of_file(path, fs::read_to_string).map_err(|source| FileError {
         path: path.to_owned(),
         writing: false,
         source,

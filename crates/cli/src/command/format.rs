@@ -80,7 +80,7 @@ fn read(path: &Path) -> Result<(Source, bool), Problem> {
     }
     let (source, warning) = host::files::read_prism(path)?;
     if let Some(warning) = &warning {
-        to_stderr(&warning.warning_line());
+        to_stderr(&diagnostic::printable(&warning.warning_line()));
     }
     Ok((source, warning.is_none()))
 }

@@ -83,9 +83,7 @@ fn text(report: &PackReport) -> String {
 
 /// What quotes the study's files, without what would mean something to a terminal.
 fn plain(text: &str) -> String {
-    let harmful = |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c);
-    let shown = text.chars().map(|c| if harmful(c) { ' ' } else { c });
-    shown.collect()
+    diagnostic::printable_line(text).into_owned()
 }
 
 fn new_key(file: &Path, format: Format) -> Result<Done, Problem> {

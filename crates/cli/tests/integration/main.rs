@@ -34,6 +34,7 @@ mod failing_programs;
 mod fault_trees;
 mod findings;
 mod fuzz_inputs;
+mod hostile_texts;
 mod init;
 mod lacking_signals;
 mod language;

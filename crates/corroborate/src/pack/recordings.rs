@@ -85,7 +85,7 @@ pub(super) fn content(path: &Path, host: &Host) -> Result<Content, Problem> {
         if !known.is_file() {
             return Err(cannot(std::io::ErrorKind::InvalidInput.into()));
         }
-        let file = std::fs::File::open(&path).map_err(cannot)?;
+        let file = host::files::open_file(&path)?;
         Ok(Box::new(UntilCancelled {
             file,
             path: path.clone(),

@@ -386,8 +386,9 @@ fn add_assets(study: &Path, path: &Path, assets: &mut Vec<Asset>) -> Result<(), 
             .try_for_each(|path| add_assets(study, path, assets));
     }
     let mut hasher = blake3::Hasher::new();
-    std::fs::File::open(path)
-        .and_then(|file| hasher.update_reader(file).map(drop))
+    let file = host::files::open_file(path)?;
+    hasher
+        .update_reader(file)
         .map_err(|error| unreadable(&error))?;
     let shown = path.strip_prefix(study).unwrap_or(path);
     assets.push(Asset {

@@ -112,7 +112,9 @@ fn messages(reader: &mut dyn Reader, most: u64) -> Result<Option<Hash>, ReadErro
 
 fn hash_of_file(path: &Path) -> Option<Hash> {
     let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(std::fs::File::open(path).ok()?).ok()?;
+    hasher
+        .update_reader(host::files::open_file(path).ok()?)
+        .ok()?;
     Some(*hasher.finalize().as_bytes())
 }
 

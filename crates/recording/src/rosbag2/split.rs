@@ -143,7 +143,7 @@ impl SplitReader {
         let of_file = |error: ReadError| error.in_file(path);
         let bytes = match is_compressed {
             true => {
-                let file = File::open(path).map_err(|error| of_file(error.into()))?;
+                let file = crate::open::open_file(path).map_err(|error| of_file(error.into()))?;
                 Some(uncompressed(file, &self.options).map_err(of_file)?)
             }
             false => None,
@@ -161,7 +161,7 @@ impl SplitReader {
                 Ok(Box::new(reader.map_err(of_file)?))
             }
             ("mcap", None) => {
-                let file = File::open(path).map_err(|error| of_file(error.into()))?;
+                let file = crate::open::open_file(path).map_err(|error| of_file(error.into()))?;
                 open_mcap(BufReader::new(file), &self.options).map_err(of_file)
             }
             ("mcap", Some(bytes)) => open_mcap(bytes, &self.options).map_err(of_file),

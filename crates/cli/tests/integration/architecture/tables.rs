@@ -26,7 +26,7 @@ pub const CRATES: [(&str, u8, &[&str]); 32] = [
     ("requirement-files", 2, &["diagnostic", "requirement-lang"]),
     ("refinement", 2, &["prism-lang", "stats", "evidence"]),
     ("live", 2, &["trace", "recording"]),
-    ("report", 2, &["evidence"]),
+    ("report", 2, &["diagnostic", "evidence"]),
     ("host", 2, &["diagnostic"]),
     (
         "study",

@@ -328,7 +328,7 @@ pub(super) fn hash_of_recording(path: &Path) -> Result<String, Problem> {
             hasher.update(hash_of_recording(&path)?.as_bytes());
         }
     } else {
-        let file = std::fs::File::open(path).map_err(fail)?;
+        let file = host::files::open_file(path)?;
         hasher.update_reader(file).map_err(fail)?;
     }
     Ok(hasher.finalize().to_hex().to_string())
