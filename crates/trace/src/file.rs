@@ -58,7 +58,7 @@ fn of_file<T>(path: &Path, read: fn(&Path) -> io::Result<T>) -> io::Result<T> {
 /// # Errors
 /// [`FileError`] if the operating system refuses.
 pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
-    of_file(path, fs::read).map_err(|source| FileError {
+    of_file(path, |path| fs::read(path)).map_err(|source| FileError {
         path: path.to_owned(),
         writing: false,
         source,
@@ -70,7 +70,7 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
 /// # Errors
 /// [`FileError`] if the operating system refuses or the file is no UTF-8 text.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    of_file(path, fs::read_to_string).map_err(|source| FileError {
+    of_file(path, |path| fs::read_to_string(path)).map_err(|source| FileError {
         path: path.to_owned(),
         writing: false,
         source,

@@ -28,7 +28,7 @@ const LEDGER: &str = "ledger.toml";
 pub(super) struct Mixed<'a> {
     /// The evidence that rests on the tables.
     pub evidence: &'a str,
-    /// The two failure modes, or requirements.
+    /// The two failure modes and requirements.
     pub modes: &'a [Subject; 2],
     /// Whether their opportunities were exchanged, too.
     pub is_whole: bool,
@@ -142,7 +142,16 @@ fn texts(study: &Study, mixed: &Mixed<'_>) -> Result<Vec<(String, Exchange)>, Pr
         return Ok(texts);
     };
     let modes = mixed.modes.each_ref().map(|mode| mode.id().to_owned());
-    let is_of_modes = matches!(mixed.modes, [Subject::FailureMode(_), _]);
+    let are_modes = mixed
+        .modes
+        .each_ref()
+        .map(|it| matches!(it, Subject::FailureMode(_)));
+    // Totals of one of them stand in another table than those of the other, so that they cannot have been exchanged.
+    let has_totals = tables.requirements.is_some() || tables.failure_modes.is_some();
+    if are_modes[0] != are_modes[1] && has_totals {
+        return Ok(texts);
+    }
+    let is_of_modes = are_modes[0];
     if let (Some(file), false) = (tables.requirements, is_of_modes) {
         let exchange = Exchange::Names {
             modes: modes.clone(),

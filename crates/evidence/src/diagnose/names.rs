@@ -1,10 +1,11 @@
-//! Two ways to fail, or two requirements, whose names were mixed up in a table.
+//! Two ways to fail, two requirements, or one of each, whose names were mixed up in a table.
 //!
 //! # Definition
 //! Two names `a`, `b` of a piece of evidence were mixed up if the strengths (see [`mod@super::strength`]) with which its two
 //! rates differ from those of all other evidence under the same conditions sum to at least [`MIXED_UP`] more as they are
 //! than exchanged, and exchanged differ strongly (at least [`STRONG`]) from nobody; of several pairs the one that explains
-//! most. Both have to stand in one table: of what is counted by person or session, or of totals. What was exchanged is the whole entry, or the occurrences alone (who counted opportunities by another list kept
+//! most. Both have to stand in one table: of what is counted by person or session, where one may be a requirement and the other a
+//! failure mode, since both are columns of it; or of totals of one kind. What was exchanged is the whole entry, or the occurrences alone (who counted opportunities by another list kept
 //! them right; of failure modes alone): whichever explains more, of equal ones the whole. The exchange takes `T - T'` of a conflict on one of the two, `T'` being what is left with the other's rate.
 //!
 //! # Assumes
@@ -25,16 +26,16 @@ use crate::{Evidence, Finding, Inaccuracy, Measure, Subject};
 /// From how many decades on an exchange of names explains something.
 const MIXED_UP: f64 = 2.0;
 
-/// Two failure modes, or two requirements, of a piece that were written down as each other.
+/// Two failure modes, two requirements, or one of each, of a piece that were written down as each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MixedUp<'p> {
-    /// The failure modes, or the requirements.
+    /// The failure modes and requirements.
     pub modes: [&'p Subject; 2],
     /// Whether their opportunities were exchanged, too.
     pub is_whole: bool,
 }
 
-/// The two failure modes, or requirements, of a piece that were mixed up, if the other evidence says so.
+/// The two failure modes and requirements of a piece that were mixed up, if the other evidence says so.
 pub fn mixed_up<'p>(
     evidence: &[Evidence],
     piece: &'p Evidence,
@@ -46,7 +47,11 @@ pub fn mixed_up<'p>(
     for (place, one) in piece.findings.iter().enumerate() {
         let alike = piece.findings[place + 1..].iter();
         let is_alike = |other: &&Finding| {
-            is_mode(other) == is_mode(one) && is_by_subject(other) == is_by_subject(one)
+            let are_by_subject = [*other, one].map(is_by_subject);
+            match is_mode(other) == is_mode(one) {
+                true => are_by_subject[0] == are_by_subject[1],
+                false => are_by_subject == [true, true] && have_same_trials(one, other),
+            }
         };
         for other in alike.filter(is_alike) {
             let (a, b) = (&one.subject, &other.subject);
@@ -55,7 +60,7 @@ pub fn mixed_up<'p>(
             };
             let (now, _) = against([(a, of_a), (b, of_b)]);
             for is_whole in [true, false] {
-                if !is_whole && !is_mode(one) {
+                if !is_whole && !(is_mode(one) && is_mode(other)) {
                     continue;
                 }
                 let [Some(new_a), Some(new_b)] = exchanged(one, other, is_whole) else {
@@ -72,6 +77,14 @@ pub fn mixed_up<'p>(
         }
     }
     best.map(|(_, found)| found)
+}
+
+fn have_same_trials(one: &Finding, other: &Finding) -> bool {
+    let trials = |it: &Finding| match it.measure {
+        Measure::Counts { trials, .. } => Some(trials),
+        _ => None,
+    };
+    trials(one) == trials(other)
 }
 
 /// The rates of two findings after their entries, or only their occurrences, changed places.

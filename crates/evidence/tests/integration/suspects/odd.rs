@@ -67,6 +67,39 @@ fn one_exchange_of_names_is_likelier_than_two_wrong_rates() {
     }
 }
 
+/// A requirement and a failure mode are columns of one cohort, whose headers may have been exchanged; totals of them are in tables of
+/// their own.
+#[test]
+fn a_requirement_and_a_failure_mode_are_exchanged_in_a_cohort_alone() {
+    let [kept, slip] = [requirement("1a"), mode("grip")];
+    let of_people = |subject: &Subject, count| {
+        let each = (0..10).map(|_| Sample::new(count, 20).unwrap());
+        let each: Vec<Sample> = each.collect();
+        finding(
+            subject.clone(),
+            Measure::of_clusters(&each, Confidence::P95).unwrap(),
+        )
+    };
+    let with = |told| {
+        let formal = vec![computed(kept.clone(), 0.95), computed(slip.clone(), 0.2)];
+        vec![
+            piece("M", Technique::ModelChecking, "m.prism", formal),
+            piece("X", Technique::Experiment, "x.csv", told),
+        ]
+    };
+    let margin = |_: &Subject| 0.05;
+    let ledger = with(vec![of_people(&kept, 4), of_people(&slip, 19)]);
+    let found = mixed_up(&ledger, &ledger[1], &margin).expect("exchanged");
+    assert_eq!((found.modes, found.is_whole), ([&kept, &slip], true));
+    let right = with(vec![of_people(&kept, 19), of_people(&slip, 4)]);
+    assert_eq!(mixed_up(&right, &right[1], &margin), None);
+    let totals = with(vec![
+        counted(kept.clone(), 40, 200),
+        counted(slip.clone(), 190, 200),
+    ]);
+    assert_eq!(mixed_up(&totals, &totals[1], &margin), None);
+}
+
 /// A model with two requirements, and a table of these counts of 800 each.
 fn with_requirements(model: [f64; 2], passed: [u64; 2]) -> Vec<Evidence> {
     let of = |counts: [u64; 2], trials| {
