@@ -22,7 +22,6 @@ pub(crate) mod split;
 pub(crate) mod sqlite;
 pub(crate) mod types;
 
-use std::fs::File;
 use std::io::{self, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 

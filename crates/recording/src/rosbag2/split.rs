@@ -1,7 +1,7 @@
 //! The files of a rosbag2 folder, one after another, as one recording.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
