@@ -25,8 +25,8 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 pub use branch::{
-    Extension, add_branch, divide_update, extend_range, outcome, split_update, with_outcome,
-    with_value,
+    Extension, add_branch, divide_update, extend_range, outcome, split_command, split_update,
+    with_outcome, with_value,
 };
 pub use once::draw_once;
 

@@ -11,7 +11,7 @@
 //! * *bound*: a number that guards compare a variable with in several places is one more or less in all of them, so that what
 //!   two commands share between them stays shared;
 //! * *guard*: in one guard or formula a comparison leaves out or takes in equality, is turned around or denied, its whole number is one
-//!   more or less or what the variable is compared with elsewhere, a Boolean variable is denied or not, `&` is `|` or the other way
+//!   more or less (one that is added to what the variable is compared with also two) or what the variable is compared with elsewhere, a Boolean variable is denied or not, `&` is `|` or the other way
 //!   round;
 //! * *exchange*: two commands of a module, at most [`NEAR_BY`] apart, have each other's guards.
 //!

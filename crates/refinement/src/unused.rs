@@ -2,9 +2,11 @@
 //!
 //! # Definition
 //! A probability that is declared and stands nowhere else was written to be used. For each such constant `c`, each update of each
-//! command is divided: with `c` (or with `1-c`) it is as it was, and else the run does something else: nothing, what another update
-//! of the module does, or the same with a value that a proposition or a guard names and no update gives. Each is solved and tried on all evidence
-//! ([`crate::structure`]) where the model disagrees strongly with counts. No number is fitted.
+//! command, and each command of several updates as a whole, is divided: with `c` (or with `1-c`) it is as it was, and else the run does
+//! something else: nothing, what another update of the module does, or a value that a proposition or a guard names and no update gives,
+//! alone, with all else that the update does, or with a whole number that is declared and stands nowhere else, too. Each is solved and
+//! tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts. No number is fitted. Of those that explain
+//! as much, what leads to a value that nothing else leads to comes first: one branch accounts for both oddities of the text.
 //!
 //! # Assumes
 //! That the constant has the value that it was meant to have, and that one branch is lacking.
@@ -23,9 +25,10 @@ use crate::number::commands;
 use crate::structure::{Rewriting, Tried};
 use crate::unreached::{Lacking, Place, lacking, of_guards};
 use evidence::Subject;
-use prism_lang::ast::{Command, ModuleBody};
-use prism_lang::edit::{self, Edit};
+use prism_lang::ast::{Command, ExprKind, ModuleBody, Type, Update};
+use prism_lang::edit;
 use prism_lang::resolved::ModelType;
+use std::collections::BTreeSet;
 
 /// Divided updates that are tried, at most.
 const MOST_SPLITS: usize = 400;
@@ -35,14 +38,16 @@ const MOST_SPLITS: usize = 400;
 pub struct Split {
     /// The command, counted from 0 over all modules.
     pub command: usize,
-    /// Its update, counted from 0.
-    pub update: usize,
+    /// Its update, counted from 0; all of them, if none is named.
+    pub update: Option<usize>,
     /// The constant.
     pub constant: String,
     /// Whether what is added has the constant as its probability, and not what remains of 1.
     pub is_of_added: bool,
     /// What is done in the added branch, as an update is written.
     pub to: String,
+    /// Whether that is a value to which no update leads.
+    pub leads_to_lacking: bool,
 }
 
 impl Split {
@@ -51,7 +56,7 @@ impl Split {
     pub fn line(&self, text: &str) -> Option<u32> {
         let place = Place {
             command: self.command,
-            update: Some(self.update),
+            update: self.update,
         };
         place.line(text)
     }
@@ -71,17 +76,16 @@ impl Split {
         let command = all
             .get(self.command)
             .ok_or("the model has no such command")?;
-        let update = command
-            .updates
-            .get(self.update)
-            .ok_or("the command has no such update")?;
-        let edit = edit::split_update(
-            read.text,
-            update,
-            (&self.constant, self.is_of_added),
-            &self.to,
-        );
-        edit::apply(read.text, &[edit] as &[Edit]).map_err(|e| e.to_string())
+        let by = (self.constant.as_str(), self.is_of_added);
+        let edits = match self.update {
+            None => edit::split_command(read.text, command, by, &self.to),
+            Some(update) => {
+                let update = command.updates.get(update);
+                let update = update.ok_or("the command has no such update")?;
+                vec![edit::split_update(read.text, update, by, &self.to)]
+            }
+        };
+        edit::apply(read.text, &edits).map_err(|e| e.to_string())
     }
 
     fn words(&self, text: &str) -> String {
@@ -127,7 +131,8 @@ impl Ground<'_> {
             })
         });
         // That nothing uses the constant speaks for it, whatever the number of places.
-        let explaining = self.explaining_above(f64::NEG_INFINITY, own, before, tried.collect());
+        let mut explaining = self.explaining_above(f64::NEG_INFINITY, own, before, tried.collect());
+        explaining.sort_by_key(|it| !it.change.0.leads_to_lacking);
         self.put_first((model, own), before, explaining, found);
     }
 }
@@ -214,8 +219,10 @@ fn splits(model: &Model<'_>, read: &Read<'_>, constants: &[String]) -> Vec<Split
                 targets.push(target);
             }
         }
+        let counts = unused_counts(read, own);
         for (place, of) in own.iter().enumerate() {
-            found.extend(of_command(read, (command + place, of), &targets, constants));
+            let by = (constants, counts.as_slice());
+            found.extend(of_command(read, (command + place, of), &targets, by));
         }
         command += own.len();
     }
@@ -226,49 +233,90 @@ fn splits(model: &Model<'_>, read: &Read<'_>, constants: &[String]) -> Vec<Split
 /// What an added branch does.
 #[derive(PartialEq)]
 enum Target {
-    /// What the divided update does, with this value.
+    /// This value, and nothing else or what the divided update does.
     Value(Lacking),
     /// What some update does, or nothing.
     Outcome(String),
+}
+
+/// The whole numbers that are declared and stand nowhere else, with each variable of these commands that is given such a constant.
+fn unused_counts(read: &Read<'_>, own: &[Command]) -> Vec<(String, String)> {
+    let is_whole = |name: &str| {
+        let mut all = read.tree.constants.iter();
+        all.any(|it| it.name.text == name && it.ty == Type::Int)
+    };
+    let assignments = own.iter().flat_map(|it| &it.updates);
+    let assignments = assignments.flat_map(|it| &it.assignments);
+    let given = assignments.filter(|it| match &it.value.kind {
+        ExprKind::Name(name) => is_whole(name),
+        _ => false,
+    });
+    let variables: BTreeSet<&str> = given.map(|it| it.variable.text.as_str()).collect();
+    let names = read.tree.constants.iter().map(|it| it.name.text.as_str());
+    let unused = names.filter(|name| is_whole(name) && !is_used(read.text, name));
+    unused
+        .flat_map(|name| {
+            variables
+                .iter()
+                .map(move |of| ((*of).to_owned(), name.to_owned()))
+        })
+        .collect()
+}
+
+/// What a branch does that leads to a value: all ways, of a command as a whole or of an update of it.
+fn ways(
+    read: &Read<'_>,
+    update: Option<&Update>,
+    value: &Lacking,
+    counts: &[(String, String)],
+) -> Vec<String> {
+    let alone = format!("({}'={})", value.variable, value.value);
+    let with = update.map(|it| edit::with_value(read.text, it, &value.variable, &value.value));
+    let counted = counts.iter().filter(|(of, _)| *of != value.variable);
+    let counted: Vec<String> = counted
+        .map(|(of, constant)| format!("{alone} & ({of}'={constant})"))
+        .collect();
+    let mut all: Vec<String> = counted.into_iter().chain([alone]).chain(with).collect();
+    all.dedup();
+    all
 }
 
 fn of_command(
     read: &Read<'_>,
     (command, of): (usize, &Command),
     targets: &[Target],
-    constants: &[String],
+    (constants, counts): (&[String], &[(String, String)]),
 ) -> Vec<(u8, Split)> {
     // Rates make up nothing that could be divided into what happens and what does not.
     if read.model.model_type == ModelType::Ctmc {
         return Vec::new();
     }
+    let parts = of.updates.iter().enumerate();
+    let parts = parts.map(|(place, update)| (Some(place), Some(update)));
+    let whole = (of.updates.len() > 1).then_some((None, None));
     let mut found = Vec::new();
-    for (place, update) in of.updates.iter().enumerate() {
-        let own = edit::outcome(read.text, update);
-        for target in targets {
-            let (rank, to) = match target {
-                Target::Value(value) => (
-                    0,
-                    edit::with_value(read.text, update, &value.variable, &value.value),
-                ),
-                Target::Outcome(outcome) if outcome == "true" => (1, outcome.clone()),
-                Target::Outcome(outcome) => (2, outcome.clone()),
-            };
-            if to == own {
-                continue;
-            }
+    for (place, update) in whole.into_iter().chain(parts) {
+        let own = update.map(|it| edit::outcome(read.text, it));
+        let made = targets.iter().flat_map(|target| match target {
+            Target::Value(value) => ways(read, update, value, counts)
+                .into_iter()
+                .map(|to| (0, to))
+                .collect(),
+            Target::Outcome(outcome) if outcome == "true" => vec![(1, outcome.clone())],
+            Target::Outcome(outcome) => vec![(2, outcome.clone())],
+        });
+        for (rank, to) in made.filter(|(_, to)| own.as_ref() != Some(to)) {
             for constant in constants {
                 for is_of_added in [false, true] {
-                    found.push((
-                        rank,
-                        Split {
-                            command,
-                            update: place,
-                            constant: constant.clone(),
-                            is_of_added,
-                            to: to.clone(),
-                        },
-                    ));
+                    let split = Split {
+                        command,
+                        update: place,
+                        constant: constant.clone(),
+                        is_of_added,
+                        to: to.clone(),
+                        leads_to_lacking: rank == 0,
+                    };
+                    found.push((rank, split));
                 }
             }
         }

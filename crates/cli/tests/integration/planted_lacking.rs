@@ -123,6 +123,33 @@ fn a_state_that_one_case_of_a_guard_names_is_where_an_unused_constant_leads() {
     assert!(diff.contains(line), "{diff}");
 }
 
+/// The camera is blind in 12 % of the encounters, for five steps; else it sees in the first step (60 %) or in the second.
+const CAMERA: &str = "dtmc\nconst int looks = 0;\nconst int dark = 1;\nconst int brakes = 2;\nconst int stands = 3;\n\
+    const double pGlare = 0.12;\nconst double pSoon = 0.6;\nconst int nDark = 5;\nconst int nBrake = 3;\nmodule camera\n  \
+    m : [looks..stands] init looks;\n  left : [0..9] init 0;\n  \
+    [] m=looks & left=0 -> pSoon : (m'=brakes) & (left'=nBrake) + 1-pSoon : (left'=1);\n  \
+    [] m=looks & left=1 -> (m'=brakes) & (left'=nBrake);\n  [] m=dark & left>0 -> (left'=left-1);\n  \
+    [] m=dark & left=0 -> (m'=brakes) & (left'=nBrake);\n  [] m=brakes & left>1 -> (left'=left-1);\n  \
+    [] m=brakes & left=1 -> (m'=stands) & (left'=0);\n  [] m=stands -> true;\nendmodule\n";
+
+/// A branch beside all that a command does: its constant, its number of steps and its state stand nowhere else.
+#[test]
+fn a_branch_beside_all_updates_of_a_command_leads_where_nothing_else_does() {
+    let requirements = "[[requirement]]\nid = \"soon\"\ntext = \"It stands at once.\"\nproperty = 'P=? [ F<=4 \"still\" ]'\n\
+                        margin = 0.03\n[[requirement]]\nid = \"stops\"\ntext = \"It stands in time.\"\n\
+                        property = 'P=? [ F<=6 \"still\" ]'\nmargin = 0.03\n";
+    let vocabulary = "still = { meaning = \"it stands\", model = \"m=stands\" }\n";
+    let counts = "requirement,covered,passed,failed\nsoon,2000,1056,944\nstops,2000,1760,240\n";
+    let (line, diff) =
+        Planted::of_model_and_counts([requirements, vocabulary, CAMERA, counts]).first_of_model();
+    assert_eq!(line, 13, "{diff}");
+    assert!(diff.contains("(1-pGlare)*pSoon : (m'=brakes)"), "{diff}");
+    assert!(
+        diff.contains("+ pGlare : (m'=dark) & (left'=nDark);"),
+        "{diff}"
+    );
+}
+
 #[test]
 fn a_number_that_was_solved_for_is_a_number_of_the_study_from_then_on() {
     let study = Study::of_template("formal");

@@ -135,6 +135,30 @@ fn a_complement_that_was_written_for_the_value_is_offered_beside_the_number() {
     assert!(has("sees set to 0."), "{offered}");
 }
 
+/// What a variable is compared with may be a sum.
+#[test]
+fn a_number_that_is_taken_off_a_limit_is_tried() {
+    let old =
+        "looks<most -> sees : (s'=read) + 1-sees : (looks'=looks+1);\n  [] s=look & looks>=most";
+    let model = MODEL
+        .replace("const int most = 3;", "const int most = 4;")
+        .replace(
+            "module scanner",
+            "formula last = looks>=most-3;\nmodule scanner",
+        )
+        .replace(
+            old,
+            &old.replace("looks<most", "!last")
+                .replace("looks>=most", "last"),
+        );
+    let folder = Planted::of_model_and_counts([REQUIREMENTS, VOCABULARY, &model, COUNTS]);
+    let offered = folder.json("refine");
+    let proposals = offered["proposals"].as_array().expect("proposals");
+    let mut titles = proposals.iter().filter_map(|it| it["title"].as_str());
+    let wanted = "`looks>=most-1` in place of `looks>=most-3`";
+    assert!(titles.any(|it| it.contains(wanted)), "{offered}");
+}
+
 /// A number that explains all is offered, and no guard that would do as well is guessed.
 #[test]
 fn a_wrong_number_is_not_taken_for_a_slip() {

@@ -3,7 +3,7 @@
 //! # Definition
 //! Two names `a`, `b` of a piece of evidence were mixed up if the strengths (see [`mod@super::strength`]) with which its two
 //! rates differ from those of all other evidence under the same conditions sum to at least [`MIXED_UP`] more as they are
-//! than exchanged, and exchanged differ strongly (at least [`STRONG`]) from nobody; of several pairs the one that explains
+//! than exchanged, each of both rates has a share of at least [`EACH`] in it, and exchanged they differ strongly (at least [`STRONG`]) from nobody; of several pairs the one that explains
 //! most. Both have to stand in one table: of what is counted by person or session, where one may be a requirement and the other a
 //! failure mode, since both are columns of it; or of totals of one kind. What was exchanged is the whole entry, or the occurrences alone (who counted opportunities by another list kept
 //! them right; of failure modes alone): whichever explains more, of equal ones the whole. The exchange takes `T - T'` of a conflict on one of the two, `T'` being what is left with the other's rate.
@@ -26,6 +26,9 @@ use crate::{Evidence, Finding, Inaccuracy, Measure, Subject};
 /// From how many decades on an exchange of names explains something.
 const MIXED_UP: f64 = 2.0;
 
+/// The least share of each of the two rates, in decades: where one of them is right as it is, the other is wrong by itself.
+const EACH: f64 = 0.5;
+
 /// Two failure modes, two requirements, or one of each, of a piece that were written down as each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MixedUp<'p> {
@@ -42,7 +45,7 @@ pub fn mixed_up<'p>(
     margin: &dyn Fn(&Subject) -> f64,
 ) -> Option<MixedUp<'p>> {
     let is_mode = |it: &Finding| matches!(it.subject, Subject::FailureMode(_));
-    let against = |rates| against_others(evidence, piece, rates, margin);
+    let against = |rates: &[(&Subject, Rate)]| against_others(evidence, piece, rates, margin);
     let mut best: Option<(f64, MixedUp<'_>)> = None;
     for (place, one) in piece.findings.iter().enumerate() {
         let alike = piece.findings[place + 1..].iter();
@@ -58,7 +61,7 @@ pub fn mixed_up<'p>(
             let (Some(of_a), Some(of_b)) = (Rate::of(one), Rate::of(other)) else {
                 continue;
             };
-            let (now, _) = against([(a, of_a), (b, of_b)]);
+            let (now, _) = against(&[(a, of_a), (b, of_b)]);
             for is_whole in [true, false] {
                 if !is_whole && !(is_mode(one) && is_mode(other)) {
                     continue;
@@ -66,10 +69,13 @@ pub fn mixed_up<'p>(
                 let [Some(new_a), Some(new_b)] = exchanged(one, other, is_whole) else {
                     continue;
                 };
-                let (then, worst) = against([(a, new_a), (b, new_b)]);
+                let (then, worst) = against(&[(a, new_a), (b, new_b)]);
                 let explains = now - then;
+                let share =
+                    |subject, was, is| against(&[(subject, was)]).0 - against(&[(subject, is)]).0;
+                let least = share(a, of_a, new_a).min(share(b, of_b, new_b));
                 let is_best = best.as_ref().is_none_or(|(most, _)| explains > *most);
-                if explains >= MIXED_UP && worst < STRONG && is_best {
+                if explains >= MIXED_UP && least >= EACH && worst < STRONG && is_best {
                     let modes = [a, b];
                     best = Some((explains, MixedUp { modes, is_whole }));
                 }
@@ -120,7 +126,7 @@ fn with_occurrences(own: &Finding, other: &Finding) -> Option<Rate> {
 fn against_others(
     evidence: &[Evidence],
     piece: &Evidence,
-    rates: [(&Subject, Rate); 2],
+    rates: &[(&Subject, Rate)],
     margin: &dyn Fn(&Subject) -> f64,
 ) -> (f64, f64) {
     let (mut sum, mut most) = (0.0, 0.0_f64);
@@ -128,7 +134,7 @@ fn against_others(
         other.id != piece.id && !other.intermediate && other.conditions == piece.conditions
     });
     for other in others {
-        for (subject, rate) in rates {
+        for &(subject, rate) in rates {
             let theirs = Rate::on(other, subject);
             let apart = theirs.map_or(0.0, |r| strength(r, rate, margin(subject)));
             sum += apart;

@@ -159,6 +159,36 @@ pub fn split_update(
     Edit::replace(update.span, format!("{kept} : {outcome} + {added} : {to}"))
 }
 
+/// Divides a whole command in two: with `chance` (a name or a literal), or with what remains of 1, it is as before, and else `to` happens,
+/// which is written as an update is.
+#[must_use]
+pub fn split_command(
+    text: &str,
+    command: &Command,
+    (chance, is_of_added): (&str, bool),
+    to: &str,
+) -> Vec<Edit> {
+    if let [update] = &command.updates[..] {
+        return vec![split_update(text, update, (chance, is_of_added), to)];
+    }
+    let rest = format!("1-{chance}");
+    let (kept, added) = match is_of_added {
+        true => (format!("({rest})"), chance.to_owned()),
+        false => (chance.to_owned(), rest),
+    };
+    let probabilities = command
+        .updates
+        .iter()
+        .filter_map(|it| it.probability.as_ref());
+    let mut edits: Vec<Edit> = probabilities
+        .map(|it| Edit::replace(it.span, format!("{kept}*{}", factor(text, it))))
+        .collect();
+    if let Some(last) = command.updates.last() {
+        edits.push(Edit::insert(last.span.end, format!(" + {added} : {to}")));
+    }
+    edits
+}
+
 /// What an update does, without its probability, as it is written.
 #[must_use]
 pub fn outcome(text: &str, update: &Update) -> String {

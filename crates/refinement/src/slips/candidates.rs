@@ -352,6 +352,14 @@ fn others_of_operation(
             if let ExprKind::Int(value) = side.kind {
                 others.extend([1, -1].map(|step| with(side.span, &(value + step).to_string())));
             }
+            // `tries>=most-3`.
+            if let ExprKind::Binary(BinaryOp::Plus | BinaryOp::Minus, _, added) = &side.kind
+                && let ExprKind::Int(value) = added.kind
+            {
+                let moved = STEPS.iter().map(|step| value + step);
+                let moved = moved.filter(|it| *it >= 0);
+                others.extend(moved.map(|it| with(added.span, &it.to_string())));
+            }
             if let (ExprKind::Name(name), true) = (&own.kind, is_order(operator)) {
                 let elsewhere = compared_with(read, name).into_iter();
                 let elsewhere = elsewhere.filter(|it| *it != written(side));
