@@ -13,6 +13,8 @@
 //! * *guard*: in one guard or formula a comparison leaves out or takes in equality, is turned around or denied, its whole number is one
 //!   more or less (one that is added to what the variable is compared with also two) or what the variable is compared with elsewhere, a Boolean variable is denied or not, `&` is `|` or the other way
 //!   round;
+//! * *far*: a whole number of one of these kinds (a constant, a beginning of a counter with many values, what a comparison by order asks
+//!   for) is another one, up to eight away: what is solved for, where a number has no digits behind its point;
 //! * *exchange*: two commands of a module, at most [`NEAR_BY`] apart, have each other's guards.
 //!
 //! Each is solved and tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts. It has to explain all,
@@ -51,7 +53,7 @@ use prism_lang::ast::Command;
 use prism_lang::edit::{self, Edit};
 
 /// Changes that are tried, at most.
-const MOST_CHANGES: usize = 600;
+const MOST_CHANGES: usize = 800;
 
 /// How far two commands stand apart that may have each other's guards.
 const NEAR_BY: usize = 2;

@@ -135,6 +135,22 @@ fn a_complement_that_was_written_for_the_value_is_offered_beside_the_number() {
     assert!(has("sees set to 0."), "{offered}");
 }
 
+/// More than two away it is solved for, like any number.
+#[test]
+fn a_whole_number_that_is_far_from_the_right_one_is_found() {
+    let model = MODEL.replace("const int most = 3;", "const int most = 6;");
+    let counts = COUNTS
+        .replace("read,2000,1872,128", "read,2000,1200,800")
+        .replace(
+            "sorted,2000,1385,615\nlarge,2000,374,1626",
+            "sorted,2000,888,1112\nlarge,2000,240,1760",
+        );
+    let (line, diff) =
+        Planted::of_model_and_counts([REQUIREMENTS, VOCABULARY, &model, &counts]).first_of_model();
+    assert_eq!(line, 7, "{diff}");
+    assert!(diff.contains("+const int most = 1;"), "{diff}");
+}
+
 /// What a variable is compared with may be a sum.
 #[test]
 fn a_number_that_is_taken_off_a_limit_is_tried() {

@@ -15,6 +15,15 @@ use std::collections::BTreeSet;
 /// How far a whole number is moved.
 const STEPS: [i64; 4] = [1, -1, 2, -2];
 
+/// How far a whole number is moved that is not merely miscounted.
+const FARTHEST: i64 = 8;
+
+/// Other whole numbers, the nearest first: at least `from` away, and none below 0.
+fn far(value: i64, from: i64) -> impl Iterator<Item = i64> {
+    let steps = (from..=FARTHEST).flat_map(|step| [step, -step]);
+    steps.map(move |step| value + step).filter(|it| *it >= 0)
+}
+
 /// All of them with their kinds, those of few places first.
 pub(super) fn slips(read: &Read<'_>) -> Vec<(u8, Slip)> {
     let kinds = [
@@ -24,6 +33,9 @@ pub(super) fn slips(read: &Read<'_>) -> Vec<(u8, Slip)> {
         moved_bounds(read),
         parts(read),
         exchanges(read),
+        far_whole_numbers(read),
+        far_beginnings(read),
+        far_parts(read),
         redirected(read),
     ];
     let with_kind = |(kind, all): (u8, Vec<Slip>)| all.into_iter().map(move |it| (kind, it));
@@ -36,6 +48,8 @@ pub(super) struct Part {
     pub(super) whole: Span,
     /// What may stand in its place.
     pub(super) others: Vec<String>,
+    /// The same with a number that is far from the one that is written.
+    pub(super) far: Vec<String>,
 }
 
 /// A number that a guard or formula compares a variable with.
@@ -169,6 +183,18 @@ fn ordered_names(read: &Read<'_>) -> BTreeSet<String> {
 }
 
 fn whole_numbers(read: &Read<'_>) -> Vec<Slip> {
+    moved_constants(read, |old| {
+        let moved = STEPS.iter().map(|step| old + step);
+        moved.filter(|it| *it >= 0).collect()
+    })
+}
+
+fn far_whole_numbers(read: &Read<'_>) -> Vec<Slip> {
+    moved_constants(read, |old| far(old, 3).collect())
+}
+
+/// Constants of type `int` that are compared by order or counted with, with other values.
+fn moved_constants(read: &Read<'_>, others: impl Fn(i64) -> Vec<i64>) -> Vec<Slip> {
     let ordered = ordered_names(read);
     let is_end = |name: &str| {
         let mut ranges = crate::idle::declared(read).filter_map(|it| match &it.range {
@@ -188,11 +214,10 @@ fn whole_numbers(read: &Read<'_>) -> Vec<Slip> {
             continue;
         };
         if ordered.contains(name) || is_end(name) {
-            let moved = STEPS.into_iter().filter(|step| old + step >= 0);
-            found.extend(moved.map(|step| Slip::Whole {
+            found.extend(others(old).into_iter().map(|new| Slip::Whole {
                 constant: name.clone(),
                 old,
-                new: old + step,
+                new,
             }));
         }
     }
@@ -258,27 +283,57 @@ fn beginnings(read: &Read<'_>) -> Vec<Slip> {
     found
 }
 
+/// Other first values of counters that have many.
+fn far_beginnings(read: &Read<'_>) -> Vec<Slip> {
+    let ordered = ordered_names(read);
+    let mut found = Vec::new();
+    for variable in crate::idle::declared(read) {
+        let VariableRange::Int { low, high } = &variable.range else {
+            continue;
+        };
+        let of = |expr: &Expr| draws::value_of(expr, None, &read.model);
+        let (Some(low), Some(high), Some(init)) =
+            (of(low), of(high), variable.init.as_ref().and_then(of))
+        else {
+            continue;
+        };
+        let name = &variable.name.text;
+        if high - low >= MOST_VALUES && ordered.contains(name) {
+            let others = far(init, 1).filter(|it| (low..=high).contains(it));
+            found.extend(others.map(|new| Slip::Begin {
+                variable: name.clone(),
+                new: new.to_string(),
+            }));
+        }
+    }
+    found
+}
+
 /// The parts of guards and formulas, in the order of the text.
 pub(super) fn places(read: &Read<'_>) -> Vec<Part> {
     let written = |span: Span| &read.text[span.start..span.end];
     let mut found: Vec<Part> = Vec::new();
     for condition in conditions(read) {
         each_operation(condition, &mut |expr| {
-            let others = match &expr.kind {
-                ExprKind::Binary(operator, left, right) => {
-                    others_of_operation(read, expr, *operator, [left, right])
-                }
+            let (others, far) = match &expr.kind {
+                ExprKind::Binary(operator, left, right) => (
+                    others_of_operation(read, expr, *operator, [left, right]),
+                    far_of_operation(read, expr, *operator, [left, right]),
+                ),
                 ExprKind::Unary(UnaryOp::Not, inner) => match &inner.kind {
-                    ExprKind::Name(_) => vec![written(inner.span).to_owned()],
-                    _ => Vec::new(),
+                    ExprKind::Name(_) => (vec![written(inner.span).to_owned()], Vec::new()),
+                    _ => (Vec::new(), Vec::new()),
                 },
-                ExprKind::Name(name) if is_boolean(read, name) => vec![format!("!{name}")],
-                _ => Vec::new(),
+                ExprKind::Name(name) if is_boolean(read, name) => {
+                    (vec![format!("!{name}")], Vec::new())
+                }
+                _ => (Vec::new(), Vec::new()),
             };
             if !others.is_empty() {
                 found.push(Part {
                     whole: expr.span,
                     others,
+                    far,
                 });
             }
         });
@@ -337,13 +392,7 @@ fn others_of_operation(
         return Vec::new();
     };
     let sign = left.span.end + at;
-    let with = |place: Span, text: &str| {
-        format!(
-            "{}{text}{}",
-            &read.text[expr.span.start..place.start],
-            &read.text[place.end..expr.span.end]
-        )
-    };
+    let with = |place: Span, text: &str| with_part(read, expr, place, text);
     let sign = Span::new(sign, sign + now.len());
     let mut others: Vec<String> = signs.iter().map(|it| with(sign, it)).collect();
     if is_comparison(operator) {
@@ -372,6 +421,40 @@ fn others_of_operation(
     others
 }
 
+/// An expression with another text at a place of it.
+fn with_part(read: &Read<'_>, expr: &Expr, place: Span, text: &str) -> String {
+    format!(
+        "{}{text}{}",
+        &read.text[expr.span.start..place.start],
+        &read.text[place.end..expr.span.end]
+    )
+}
+
+/// A comparison by order with whole numbers that are far from the one that is written.
+fn far_of_operation(
+    read: &Read<'_>,
+    expr: &Expr,
+    operator: BinaryOp,
+    sides: [&Expr; 2],
+) -> Vec<String> {
+    if !is_order(operator) {
+        return Vec::new();
+    }
+    let mut others = Vec::new();
+    for side in sides {
+        let (number, from) = match &side.kind {
+            ExprKind::Int(_) => (side, 2),
+            ExprKind::Binary(BinaryOp::Plus | BinaryOp::Minus, _, added) => (&**added, 3),
+            _ => continue,
+        };
+        if let ExprKind::Int(value) = number.kind {
+            let moved = far(value, from);
+            others.extend(moved.map(|it| with_part(read, expr, number.span, &it.to_string())));
+        }
+    }
+    others
+}
+
 /// What guards and formulas compare a variable with by order, as it is written.
 fn compared_with(read: &Read<'_>, variable: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
@@ -392,10 +475,18 @@ fn compared_with(read: &Read<'_>, variable: &str) -> BTreeSet<String> {
 }
 
 fn parts(read: &Read<'_>) -> Vec<Slip> {
+    of_parts(read, |part| part.others)
+}
+
+fn far_parts(read: &Read<'_>) -> Vec<Slip> {
+    of_parts(read, |part| part.far)
+}
+
+fn of_parts(read: &Read<'_>, others: impl Fn(Part) -> Vec<String>) -> Vec<Slip> {
     let all = places(read).into_iter().enumerate();
     all.flat_map(|(place, part)| {
         let old = read.text[part.whole.start..part.whole.end].to_owned();
-        part.others.into_iter().map(move |new| Slip::Guard {
+        others(part).into_iter().map(move |new| Slip::Guard {
             place,
             old: old.clone(),
             new,
