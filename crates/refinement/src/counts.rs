@@ -30,6 +30,9 @@ pub struct Counts {
     /// All that it may be where runs reached no verdict, each with what it is worth in independent trials.
     #[serde(skip)]
     ends: Vec<(Sample, EffectiveSample)>,
+    /// The ends of the interval of its rate.
+    #[serde(skip)]
+    interval: [f64; 2],
 }
 
 impl Counts {
@@ -39,11 +42,13 @@ impl Counts {
     /// [`stats::StatsError`] for more than there are trials.
     pub fn of_independent(evidence: &str, count: u64, trials: u64) -> Result<Self, StatsError> {
         let sample = Sample::new(count, trials)?;
+        let interval = stats::clopper_pearson(sample, stats::Confidence::P95);
         Ok(Self {
             evidence: evidence.to_owned(),
             count,
             trials,
             ends: vec![(sample, sample.into())],
+            interval: [interval.low, interval.high],
         })
     }
 
@@ -58,6 +63,13 @@ impl Counts {
     #[must_use]
     pub fn rate(&self) -> f64 {
         self.count as f64 / self.trials as f64
+    }
+
+    /// The ends of the interval with which the evidence shows its rate: of people or sessions where their trials are alike, at every look
+    /// where trials may be added, and of all that runs without a verdict may have shown. Of independent trials Clopper and Pearson's.
+    #[must_use]
+    pub fn interval(&self) -> [f64; 2] {
+        self.interval
     }
 
     /// The share as an expression of the PRISM language.
@@ -125,7 +137,13 @@ fn nearness(technique: Technique) -> Option<u8> {
 
 fn counts(piece: &Evidence, subject: &Subject) -> Option<Counts> {
     let finding = piece.finding(subject)?;
-    let Measure::Counts { count, trials, .. } = finding.measure else {
+    let Measure::Counts {
+        count,
+        trials,
+        interval,
+        ..
+    } = finding.measure
+    else {
         return None;
     };
     (trials > 0).then(|| Counts {
@@ -133,5 +151,6 @@ fn counts(piece: &Evidence, subject: &Subject) -> Option<Counts> {
         count,
         trials,
         ends: finding.may_be().filter_map(Measure::at_its_worth).collect(),
+        interval: [interval.low, interval.high],
     })
 }

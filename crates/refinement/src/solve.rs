@@ -6,15 +6,14 @@
 //! itself. From the present value the log-odds of the constant are moved by 1, 2, 4, ... in either direction until `f`
 //! crosses the share; the crossing is then enclosed by regula falsi in the log-odds of both, with the Illinois rule.
 //! A rate of a continuous-time model, or another number above 0, is moved by its logarithm in their place ([`Scale`]).
-//! The interval of the counts (Clopper and Pearson) is carried over by the same search for its two ends.
+//! The interval of the counted rate, as the evidence shows it ([`crate::Counts::interval`]), is carried over by the same search for its
+//! two ends.
 //!
 //! # Source
-//! M. Dowell, P. Jarratt, "A modified regula falsi method for computing the root of an equation", BIT 11 (1971); C. J.
-//! Clopper, E. S. Pearson, Biometrika 26 (1934).
+//! M. Dowell, P. Jarratt, "A modified regula falsi method for computing the root of an equation", BIT 11 (1971).
 //!
 //! # Assumes
-//! The share that was counted is taken for the rate. Its interval takes all trials as independent, and is one of the
-//! constant where the rate is monotone in it.
+//! The share that was counted is taken for the rate. Its interval is one of the constant where the rate is monotone in it.
 //!
 //! # Cost and guarantee
 //! Some ten solutions of the model for each value. Where the model's transitions stay the same, `f` is a quotient of

@@ -32,7 +32,7 @@ pub struct Refine {
     /// Accept all that needs no decision.
     #[arg(long)]
     pub all: bool,
-    /// Search commands' files for the numbers first, so that values and diffs are shown: up to 14 times the episodes a number.
+    /// Search commands' files for the numbers first, so that values and diffs are shown: up to 22 times the episodes a number.
     #[arg(long)]
     pub fit: bool,
     /// Go on refining the models that result, so many times in all.

@@ -314,12 +314,7 @@ pub(super) fn search(
     proposal.also.clear();
     proposal.file.clone_from(&found.file);
     proposal.tried = fitting.tried(&first.findings);
-    proposal.notes[0] = format!(
-        "It was run: {} comes in {:.4} of {} episodes then.",
-        name_of(&asked.subject),
-        found.tried.rate,
-        fitting.episodes
-    );
+    proposal.notes[0] = fitting.came(&first.findings);
     if !others.is_empty() {
         let others = others.join(", or ");
         proposal
@@ -489,6 +484,30 @@ impl<'a> Fitting<'a> {
         Ok(found)
     }
 
+    /// How often what was fitted comes, of the runs that count for it, with those that reached no verdict.
+    fn came(&self, findings: &[Finding]) -> String {
+        let name = name_of(&self.wanted.subject);
+        let mut all = findings.iter();
+        let finding = all.find(|it| it.subject == self.wanted.subject);
+        let Some((finding, Measure::Counts { count, trials, .. })) =
+            finding.map(|it| (it, &it.measure))
+        else {
+            return format!(
+                "It was run: {name} is counted in none of {} episodes then.",
+                self.episodes
+            );
+        };
+        let of_all = match *trials == self.episodes {
+            true => "episodes".to_owned(),
+            false => format!("runs that count for it, of {} episodes", self.episodes),
+        };
+        let undecided = match finding.undecided {
+            0 => String::new(),
+            _ => format!("; {}", finding.undecided_in_words()),
+        };
+        format!("It was run: {name} comes in {count} of {trials} {of_all} then{undecided}.")
+    }
+
     /// What findings in place of the simulator's do to its agreement with the other evidence.
     fn tried(&self, findings: &[Finding]) -> Trial {
         let mut trial = Trial::default();
@@ -649,7 +668,7 @@ impl<'a> Fitting<'a> {
         });
         let id = Names::next_id(self.study, &entry.id, &[]);
         let what = format!(
-            "{}, with which {} comes in {:.4} of the episodes ({} counted)",
+            "{}, with which {} comes in {:.4} of the episodes that count for it ({} counted)",
             found.in_words(),
             name_of(&self.wanted.subject),
             found.tried.rate,
@@ -677,11 +696,11 @@ impl<'a> Fitting<'a> {
 impl Candidate {
     /// Whether the wanted rate was reached: what is left of the difference is not strong evidence of one.
     fn left_on_subject_is_small(&self, of: &Fitting<'_>) -> bool {
-        let share = self.found.tried.rate;
-        let own = Rate::Counted {
-            count: share * of.episodes as f64,
-            open: 0.0,
-            trials: of.episodes as f64,
+        let mut all = self.findings.iter();
+        let own = all.find(|it| it.subject == of.wanted.subject);
+        // With the runs that reached no verdict, whatever they would have shown.
+        let Some(own) = own.and_then(Rate::of) else {
+            return false;
         };
         let counted = Rate::counted(of.wanted.counts.count, of.wanted.counts.trials);
         strength(own, counted, 0.0) < STRONG

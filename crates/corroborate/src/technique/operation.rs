@@ -18,7 +18,7 @@ use judging::recording::{JudgedRecording, ReadingRules};
 use judging::verdicts::RunVerdicts;
 use judging::{JudgedTrace, Judgement, Judges};
 use rayon::prelude::*;
-use recording::TrialPath;
+use recording::{SkippedPath, TrialPath};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Instant;
@@ -36,6 +36,8 @@ const OUTSIDE: &str = "corroborate.watch.outside";
 pub struct Recordings {
     rules: ReadingRules,
     trials: Vec<TrialPath>,
+    /// What of the folder is no recording, each with the reason.
+    skipped: Vec<SkippedPath>,
     /// Those with the same messages as earlier ones, by their places.
     repeated: BTreeMap<usize, RepeatedRecording>,
     /// Whether the ledger says that these are trials of their own.
@@ -64,6 +66,7 @@ impl Recordings {
         Ok(Self {
             rules,
             trials: found.trials,
+            skipped: found.skipped,
             is_declared: of.repeated.is_some(),
             repeated,
             assets,
@@ -184,6 +187,13 @@ impl Recordings {
             stage.advance();
             Ok((judged.complete, mixture_of(&said), begins, counted(judged)))
         })?;
+        for SkippedPath { path, reason } in &self.skipped {
+            let name = path.file_name().unwrap_or(path.as_os_str());
+            say(&format!(
+                "{id}: {} is left out: {reason}",
+                name.to_string_lossy()
+            ));
+        }
         let (mut all, mut mixtures, mut all_begin) = (Vec::new(), BTreeMap::new(), Vec::new());
         for (trial, (found, lacking)) in self.trials.iter().zip(judged) {
             let (complete, mixture, begins, judgements) = found;

@@ -185,7 +185,7 @@ impl Matter<'_> {
                 name_of(modes[1])
             ),
             explanation: format!(
-                "With the counts of {} and {} exchanged {} agrees with all other evidence on both; of the conflict with \
+                "With the counts of {} and {} exchanged {} differs strongly from nothing else on either; of the conflict with \
                  {} (Bayes factor 10^{whole:.1}) 10^{rest:.1} is left.",
                 name_of(modes[0]),
                 name_of(modes[1]),

@@ -289,10 +289,12 @@ pub(crate) fn with_interval(
         && let Some([low, high]) = interval_of(&read, solver, number, value, (subject, counts))
     {
         changed.notes.push(format!(
-            "{} lies between {} and {}, by the 95 % interval of the counts.",
+            "{} lies between {} and {}, by the interval of the counted rate, {:.1} to {:.1} %.",
             at_its_line(number, text),
             digits(low),
-            digits(high)
+            digits(high),
+            100.0 * counts.interval()[0],
+            100.0 * counts.interval()[1]
         ));
     }
     (change, changed)
@@ -306,12 +308,11 @@ fn interval_of(
     value: f64,
     (subject, counts): (&Subject, &Counts),
 ) -> Option<[f64; 2]> {
-    let sample = stats::Sample::new(counts.count, counts.trials).ok()?;
-    let wanted = stats::clopper_pearson(sample, stats::Confidence::P95);
+    let [low, high] = counts.interval();
     let (_, scale) = number.value(read)?;
     let mut rate = |value: f64| rate_with(read, solver, number, value, subject);
-    let one = solve::crossing(&mut rate, (value, scale), wanted.low, FARTHEST)?;
-    let other = solve::crossing(&mut rate, (value, scale), wanted.high, FARTHEST)?;
+    let one = solve::crossing(&mut rate, (value, scale), low, FARTHEST)?;
+    let other = solve::crossing(&mut rate, (value, scale), high, FARTHEST)?;
     Some([one.min(other), one.max(other)])
 }
 

@@ -5,6 +5,9 @@
 //! which something is counted is *left to others* where this cohort lacks it, has another one by which something is counted, and
 //! another cohort of the ledger has it. What is counted by it is then not covered here.
 //!
+//! # Assumes
+//! That a table without a column did not count it, where another table of the study has it.
+//!
 //! # Guarantee
 //! A column that no cohort of the study has is a mistake, of the table or of the vocabulary, and so is a cohort that counts nothing: a
 //! misspelt header never turns trials into silence.
