@@ -276,6 +276,10 @@ fn a_property_that_no_model_can_violate_covers_nothing() {
         "property = 'P=? [ G !(s=0 & s=2) ]'\nthreshold = \"at least 0.9\"",
         "requirement,covered,passed,failed\n1,0,0,0\n",
     );
+    // It is said when it is found, not in the table of what is not covered alone.
+    let said = corroborate(folder.path(), &["run", "."]);
+    let words = "M: requirement 1: Its property is true of each run that counts";
+    assert!(said.talk.contains(words), "{}", said.talk);
     let result = result(&folder);
     let measure = &finding(&result, "M")["measure"];
     assert_eq!(measure["kind"], "not-covered", "{measure}");

@@ -81,6 +81,22 @@ struct Question<'a> {
 /// A computed rate that is nearer to 0 or 1 may be that of a property which has one truth value on all runs.
 const NEARLY_CERTAIN: f64 = 1e-6;
 
+/// What a property amounts to that no command of the model can make false, or true.
+const NO_EVIDENCE: &str = "so the model is not evidence about it; if it should be, look at the property, at what its words mean in the \
+                           model, and at the model's first state";
+
+/// The findings on which a model says nothing, as what its property says holds whatever it does: a line for each.
+pub fn said_of_nothing(produced: &Produced) -> Vec<String> {
+    let lines = produced.findings.iter().filter_map(|finding| {
+        let Measure::NotCovered { reason } = &finding.measure else {
+            return None;
+        };
+        let said = reason.contains(NO_EVIDENCE);
+        said.then(|| format!("{}: {reason}", finding.subject.in_words()))
+    });
+    lines.collect()
+}
+
 impl<'a> Compiled<'a> {
     /// Reads a model and binds the study's questions to it.
     pub fn new(study: &'a Study, path: &Path) -> Result<Self, Problem> {
@@ -218,7 +234,7 @@ impl<'a> Compiled<'a> {
         Ok(truth.map_or(asked, |truth| Asked {
             measure: Measure::NotCovered {
                 reason: format!(
-                    "Its property is {truth} of each run that counts, whatever the model's commands do, so the model is not evidence about it."
+                    "Its property is {truth} of each run that counts, whatever the model's commands do, {NO_EVIDENCE}."
                 ),
             },
             denominator: Denominator::default(),

@@ -5,7 +5,7 @@ use crate::run::{check_constants, counted_constants};
 use crate::technique::Produced;
 use crate::technique::counted::{CountedConstant, counts_as_inputs};
 use crate::technique::files::Files;
-use crate::technique::model_checking::Compiled;
+use crate::technique::model_checking::{Compiled, said_of_nothing};
 use crate::verify::Audit;
 use diagnostic::Problem;
 use host::store::Inputs;
@@ -93,8 +93,13 @@ impl Prepared for Ready<'_> {
         let (id, host) = (&self.asked.entry.id, self.asked.host);
         let begin = |title: &str, total: u64| host.events.begin(title, total);
         let counted = working.counted;
-        self.compiled
-            .produce(id, &self.methods, counted, &host.cancel, &begin)
+        let produced = self
+            .compiled
+            .produce(id, &self.methods, counted, &host.cancel, &begin)?;
+        for line in said_of_nothing(&produced) {
+            host.events.say(&format!("{id}: {line}"));
+        }
+        Ok(produced)
     }
 
     fn kept_episodes(&self, _: &Path) -> Result<Option<u64>, Problem> {
