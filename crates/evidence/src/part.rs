@@ -16,9 +16,12 @@ use crate::{Evidence, Measure, Subject};
 /// Whether a model has nothing for a subject because it is a model of another part of the system.
 #[must_use]
 pub fn is_of_another_part(evidence: &[Evidence], model: &Evidence, subject: &Subject) -> bool {
-    let has_nothing = model
-        .finding(subject)
-        .is_some_and(|finding| matches!(finding.measure, Measure::NotExpressible { .. }));
+    let has_nothing = model.finding(subject).is_some_and(|finding| {
+        matches!(
+            finding.measure,
+            Measure::NotExpressible { .. } | Measure::NotCovered { .. }
+        )
+    });
     let mut others = evidence.iter().filter(|other| {
         other.id != model.id
             && !other.intermediate

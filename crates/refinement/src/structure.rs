@@ -15,6 +15,8 @@
 //! * less [`FREE_VALUE`] if a number was solved for, which makes one rate agree whatever the truth is; less the decades of
 //!   the number of kinds of changes, and of the changes of its own kind that move a value at all, if nothing was.
 //!
+//! Whatever else it explains, one without a free number explains nothing where a test of the counts rejects a value of it at [`REFUTED`].
+//!
 //! What makes a value 0 or 1 is weighed with [`NEARER`] of the margin, and explains nothing if counts show otherwise.
 //!
 //! A change without a free number is taken where its weight, after this correction, is still strong. Of changes that weigh as
@@ -46,6 +48,9 @@ const NEARER: f64 = 0.1;
 
 /// The p-value below which an exact test of a value says that a change without a free number does not give the counts.
 const UNLIKELY: f64 = 0.05;
+
+/// The p-value below which the counts refute the value that a change without a free number gives: it is not what was wrong.
+const REFUTED: f64 = 0.002;
 
 /// The most that a model counts against a change that explains as much as another.
 const OF_MODEL: f64 = 2.0;
@@ -134,8 +139,13 @@ impl Ground<'_> {
             })
     }
 
-    /// Whether counts leave room for a value: no exact test of one of them, nor of all together, rejects it at [`UNLIKELY`].
-    fn gives_the_counts(&self, own: &Evidence, subject: &Subject, value: f64) -> bool {
+    /// Whether counts leave room for a value: no exact test of one of them, nor of all together, rejects it at this level.
+    fn gives_the_counts(
+        &self,
+        own: &Evidence,
+        (subject, value): (&Subject, f64),
+        level: f64,
+    ) -> bool {
         let pieces = self.speaking(own, subject);
         // As they are written, so that what is said of them beside an offer is what decided its place.
         let counted = pieces.iter().filter_map(|piece| {
@@ -150,15 +160,14 @@ impl Ground<'_> {
         let mut together = [0, 0];
         for sample in counted {
             let alone = stats::binomial_test_two_sided(sample, value.clamp(0.0, 1.0));
-            if alone < UNLIKELY {
+            if alone < level {
                 return false;
             }
             together[0] += sample.successes;
             together[1] += sample.trials;
         }
         stats::Sample::new(together[0], together[1]).is_ok_and(|all| {
-            all.trials == 0
-                || stats::binomial_test_two_sided(all, value.clamp(0.0, 1.0)) >= UNLIKELY
+            all.trials == 0 || stats::binomial_test_two_sided(all, value.clamp(0.0, 1.0)) >= level
         })
     }
 
@@ -228,8 +237,8 @@ impl Ground<'_> {
                 gone += was - is.max(0.0);
                 agreement += (-is).max(0.0);
                 let nearer = self.signed(own, subject, value, NEARER);
-                is_near &=
-                    nearer.is_none_or(|it| it <= 0.0) && self.gives_the_counts(own, subject, value);
+                is_near &= nearer.is_none_or(|it| it <= 0.0)
+                    && self.gives_the_counts(own, (subject, value), UNLIKELY);
                 subjects.push((was, subject.clone()));
             }
         }
@@ -303,7 +312,12 @@ impl Ground<'_> {
             let equals = of_kind.len() * of_kind.get(&it.kind).copied().unwrap_or(1);
             let weight = balance.weight - (equals as f64).log10();
             let trial = self.tried(&own.id, before, &it.values);
-            if weight <= least || trial.is_harmful() {
+            let mut explained = balance.subjects.iter();
+            let is_refuted = explained.any(|(_, subject)| {
+                let value = value_of(&it.values, subject);
+                value.is_some_and(|it| !self.gives_the_counts(own, (subject, it), REFUTED))
+            });
+            if weight <= least || is_refuted || trial.is_harmful() {
                 continue;
             }
             let distance = self.distance(own, &it.values);

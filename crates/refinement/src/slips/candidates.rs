@@ -193,6 +193,38 @@ fn far_whole_numbers(read: &Read<'_>) -> Vec<Slip> {
     moved_constants(read, |old| far(old, 3).collect())
 }
 
+/// The values of other constants that the variables are given or compared with, which this one is given to or compared with.
+fn beside(read: &Read<'_>, name: &str) -> BTreeSet<i64> {
+    let mut pairs: Vec<(String, String)> = Vec::new();
+    for condition in conditions(read) {
+        each_operation(condition, &mut |expr| {
+            if let ExprKind::Binary(operator, left, right) = &expr.kind
+                && is_comparison(*operator)
+                && let (ExprKind::Name(left), ExprKind::Name(right)) = (&left.kind, &right.kind)
+            {
+                pairs.push((left.clone(), right.clone()));
+                pairs.push((right.clone(), left.clone()));
+            }
+        });
+    }
+    let all = commands(&read.tree);
+    let updates = all.iter().flat_map(|it| &it.updates);
+    for assignment in updates.flat_map(|it| &it.assignments) {
+        if let ExprKind::Name(given) = &assignment.value.kind {
+            pairs.push((assignment.variable.text.clone(), given.clone()));
+        }
+    }
+    let own = pairs.iter().filter(|(_, given)| given == name);
+    let variables: BTreeSet<&str> = own.map(|(variable, _)| variable.as_str()).collect();
+    let others = pairs
+        .iter()
+        .filter(|(variable, given)| given != name && variables.contains(variable.as_str()));
+    others
+        .filter_map(|(_, given)| read.constant(given))
+        .map(|value| value as i64)
+        .collect()
+}
+
 /// Constants of type `int` that are compared by order or counted with, with other values.
 fn moved_constants(read: &Read<'_>, others: impl Fn(i64) -> Vec<i64>) -> Vec<Slip> {
     let ordered = ordered_names(read);
@@ -214,6 +246,12 @@ fn moved_constants(read: &Read<'_>, others: impl Fn(i64) -> Vec<i64>) -> Vec<Sli
             continue;
         };
         if ordered.contains(name) || is_end(name) {
+            // Two names of values that a variable may have stay two.
+            let taken = beside(read, name);
+            let others = |old| -> Vec<i64> {
+                let all = others(old).into_iter();
+                all.filter(|new| !taken.contains(new)).collect()
+            };
             found.extend(others(old).into_iter().map(|new| Slip::Whole {
                 constant: name.clone(),
                 old,
