@@ -31,8 +31,14 @@ impl NamedNumber {
     #[must_use]
     pub fn set(&self, text: &str, value: f64) -> String {
         let mut changed = text.to_owned();
-        changed.replace_range(self.span.clone(), &digits(value));
+        changed.replace_range(self.span.clone(), &Self::written(value));
         changed
+    }
+
+    /// A value as it is written into the text: six significant digits.
+    #[must_use]
+    pub fn written(value: f64) -> String {
+        digits(value)
     }
 }
 

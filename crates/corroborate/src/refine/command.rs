@@ -83,8 +83,11 @@ pub struct FoundNumber {
 impl FoundNumber {
     fn in_words(&self) -> String {
         format!(
-            "{} of {} set from {} to {:.6}",
-            self.number.name, self.file, self.number.value, self.tried.value
+            "{} of {} set from {} to {}",
+            self.number.name,
+            self.file,
+            self.number.value,
+            NamedNumber::written(self.tried.value)
         )
     }
 }
@@ -230,6 +233,15 @@ fn others<'r>(result: &'r StudyResult, piece: &Evidence) -> impl Iterator<Item =
 
 fn name_of(subject: &Subject) -> String {
     subject.in_words()
+}
+
+/// How often a subject is triggered, of all runs.
+fn rate_of_trigger(finding: &Finding) -> Option<Rate> {
+    match finding.trigger.as_deref()? {
+        Measure::Counts { count, trials, .. } => Some(Rate::counted(*count, *trials)),
+        Measure::Probability { answer, .. } => Some(Rate::Computed(answer.value)),
+        Measure::NotExpressible { .. } | Measure::NotCovered { .. } => None,
+    }
 }
 
 fn rate_of(findings: &[Finding], subject: &Subject) -> Option<f64> {
@@ -613,15 +625,17 @@ impl<'a> Fitting<'a> {
         all.map(|finding| self.on_subject(finding)).sum()
     }
 
+    /// On a subject, or on how often it is triggered: what leaves few runs that count is no better for it.
     fn on_subject(&self, finding: &Finding) -> f64 {
-        let Some(own) = Rate::of(finding) else {
-            return 0.0;
-        };
-        let others = others(self.result, self.piece);
         let margin = super::proposal::ground(self.study, self.result).margin(&finding.subject);
-        let apart = others.filter_map(|other| {
-            let theirs = Rate::on(other, &finding.subject)?;
-            Some(strength(own, theirs, margin))
+        let apart = others(self.result, self.piece).flat_map(|other| {
+            let theirs = other.finding(&finding.subject);
+            let rates = [
+                Rate::of(finding).zip(Rate::on(other, &finding.subject)),
+                rate_of_trigger(finding).zip(theirs.and_then(rate_of_trigger)),
+            ];
+            let rates = rates.into_iter().flatten();
+            rates.map(|(own, theirs)| strength(own, theirs, margin))
         });
         apart.fold(0.0, f64::max)
     }
