@@ -629,16 +629,21 @@ impl Draft {
         )
     }
 
-    /// The p-value of "no difference", with Fisher's where that is another one.
+    /// The p-value of "no difference", with Fisher's where that is another one; where the pair is looked at again they are those over all
+    /// looks, not of the tests at this one.
     fn difference_in_words(&self, pair: &Pair) -> String {
         let p = p_value(self.comparison.p_difference.unwrap_or(1.0));
         let fishers = pair
             .p_by_fisher()
             .map(p_value)
             .filter(|fishers| *fishers != p);
+        let over = match pair.look() {
+            Some(_) => " over all looks",
+            None => "",
+        };
         match fishers {
-            Some(fishers) => format!("p {p}, by Fisher's test {fishers}"),
-            None => format!("p {p}"),
+            Some(fishers) => format!("p {p}, by Fisher's test {fishers}{over}"),
+            None => format!("p {p}{over}"),
         }
     }
 
