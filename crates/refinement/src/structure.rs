@@ -52,6 +52,9 @@ const UNLIKELY: f64 = 0.05;
 /// The p-value below which the counts refute the value that a change without a free number gives: it is not what was wrong.
 const REFUTED: f64 = 0.002;
 
+/// Decades of distance that tell nothing apart.
+const SAME_DISTANCE: f64 = 1e-6;
+
 /// The most that a model counts against a change that explains as much as another.
 const OF_MODEL: f64 = 2.0;
 
@@ -333,7 +336,9 @@ impl Ground<'_> {
         let best = found.iter().map(|(_, it)| it.weight);
         let best = best.fold(f64::NEG_INFINITY, f64::max);
         found.retain(|(_, it)| it.weight >= best - AS_GOOD);
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // In the order in which they were tried where they are as near, whatever the last digits of a solution.
+        let nearness = |distance: f64| (distance / SAME_DISTANCE).round();
+        found.sort_by(|a, b| nearness(a.0).total_cmp(&nearness(b.0)));
         found.into_iter().map(|(_, it)| it).collect()
     }
 
