@@ -24,22 +24,23 @@ fn far(value: i64, from: i64) -> impl Iterator<Item = i64> {
     steps.map(move |step| value + step).filter(|it| *it >= 0)
 }
 
-/// All of them with their kinds, those of few places first.
+/// All of them with their kinds, those of few places first. Numbers that are far from the one that is written are of the kind of those
+/// that are near: they are no likelier for being counted apart.
 pub(super) fn slips(read: &Read<'_>) -> Vec<(u8, Slip)> {
     let kinds = [
-        digits_of_numbers(read),
-        whole_numbers(read),
-        beginnings(read),
-        moved_bounds(read),
-        parts(read),
-        exchanges(read),
-        far_whole_numbers(read),
-        far_beginnings(read),
-        far_parts(read),
-        redirected(read),
+        (0, digits_of_numbers(read)),
+        (1, whole_numbers(read)),
+        (2, beginnings(read)),
+        (3, moved_bounds(read)),
+        (4, parts(read)),
+        (5, exchanges(read)),
+        (1, far_whole_numbers(read)),
+        (2, far_beginnings(read)),
+        (4, far_parts(read)),
+        (6, redirected(read)),
     ];
     let with_kind = |(kind, all): (u8, Vec<Slip>)| all.into_iter().map(move |it| (kind, it));
-    (0..).zip(kinds).flat_map(with_kind).collect()
+    kinds.into_iter().flat_map(with_kind).collect()
 }
 
 /// A part of a guard or formula, and what else may have been meant.
