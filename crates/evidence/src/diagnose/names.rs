@@ -62,10 +62,9 @@ pub fn mixed_up<'p>(
                 continue;
             };
             let (now, _) = against(&[(a, of_a), (b, of_b)]);
-            for is_whole in [true, false] {
-                if !is_whole && !(is_mode(one) && is_mode(other)) {
-                    continue;
-                }
+            let are_modes = is_mode(one) && is_mode(other);
+            let ways: &[bool] = if are_modes { &[true, false] } else { &[true] };
+            for &is_whole in ways {
                 let [Some(new_a), Some(new_b)] = exchanged(one, other, is_whole) else {
                     continue;
                 };
