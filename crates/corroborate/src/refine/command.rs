@@ -517,7 +517,10 @@ impl<'a> Fitting<'a> {
             0 => String::new(),
             _ => format!("; {}", finding.undecided_in_words()),
         };
-        format!("It was run: {name} comes in {count} of {trials} {of_all} then{undecided}.")
+        format!(
+            "It was run with the draws of the entry: {name} comes in {count} of {trials} {of_all} then{undecided}; other draws give other \
+             counts, and the value is as uncertain as these."
+        )
     }
 
     /// What findings in place of the simulator's do to its agreement with the other evidence.

@@ -227,7 +227,13 @@ pub(super) fn hypothesis(threshold: Threshold, is_met: bool) -> String {
         (Direction::AtMost, true) => "<=",
         (Direction::AtMost, false) => ">",
     };
-    format!("rate {sign} {}", percent(threshold.value))
+    format!("rate {sign} {}", declared(threshold.value))
+}
+
+/// A threshold in percent with no more and no fewer digits than were declared: who reads "85 %" for 84.95 % reads a false sentence.
+fn declared(value: f64) -> String {
+    // Twelve digits hide the binary representation.
+    format!("{} %", (value * 1e14).round() / 1e12)
 }
 
 /// Whether a requirement asks for all or none.
@@ -333,5 +339,8 @@ mod tests {
         assert_eq!(of(0.299_999_99), "29.999999 %");
         assert_eq!(of(0.31), "31 %");
         assert_eq!(of(1e-13), "practically 0 %");
+        assert_eq!(declared(0.8495), "84.95 %");
+        assert_eq!(declared(0.07), "7 %");
+        assert_eq!(declared(0.999_999), "99.9999 %");
     }
 }

@@ -230,7 +230,10 @@ pub(crate) fn solved(
             [] => "its probability has no constant of the model".into(),
             all => {
                 let names: Vec<&str> = all.iter().map(Number::name).collect();
-                format!("no value of {} gives the counted rate", names.join(" or "))
+                format!(
+                    "no value of {} was found that gives the counted rate, from the one that is written on",
+                    names.join(" or ")
+                )
             }
         });
     }
@@ -289,7 +292,8 @@ pub(crate) fn with_interval(
         && let Some([low, high]) = interval_of(&read, solver, number, value, (subject, counts))
     {
         changed.notes.push(format!(
-            "{} lies between {} and {}, by the interval of the counted rate, {:.1} to {:.1} %.",
+            "{} lies between {} and {}, by the interval of the counted rate, {:.1} to {:.1} %; other values give the same rates where it \
+             is not monotone in it.",
             at_its_line(number, text),
             digits(low),
             digits(high),

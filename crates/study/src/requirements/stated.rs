@@ -149,9 +149,10 @@ fn stated(text: &str) -> Option<Stated> {
         return None;
     }
     let before = text[..sign.start].trim_end();
-    let digits = |it: char| it.is_ascii_digit() || it == '.';
+    // A comma may stand for the point.
+    let digits = |it: char| it.is_ascii_digit() || it == '.' || it == ',';
     let start = before.len() - before.chars().rev().take_while(|it| digits(*it)).count();
-    let percent: f64 = before[start..].parse().ok()?;
+    let percent: f64 = before[start..].replace(',', ".").parse().ok()?;
     let compared = before[..start].trim_end().to_lowercase();
     let in_front = COMPARISONS
         .iter()
@@ -250,6 +251,13 @@ mod tests {
         ] {
             assert!(warned(text, asked).is_some(), "{text}");
         }
+        // A decimal comma.
+        let comma = warned("It docks in at least 85,5 % of attempts.", asked);
+        assert!(comma.is_some_and(|it| it.contains("at least 85.5 %")));
+        assert_eq!(
+            warned("It docks in at least 90,0 % of attempts.", asked),
+            None
+        );
         let opposite = warned("No more than 2.5 percent of the journeys fail.", asked);
         assert!(opposite.is_some_and(|it| it.contains("at most 2.5 %")));
     }
