@@ -7,7 +7,9 @@ use super::ladder::{Judged, is_denial, lean_apart, left_open};
 use super::words;
 use crate::compare::Belief;
 use crate::compare::words::{list, points};
-use crate::{Direction, Excluded, ExclusionReason, Outcome, Standing, Step, Verdict};
+use crate::{
+    Direction, Evidence, Excluded, ExclusionReason, Measure, Outcome, Standing, Step, Verdict,
+};
 
 /// What a statement is made from.
 pub(super) struct Statement<'s> {
@@ -26,6 +28,7 @@ impl Statement<'_> {
     pub fn words(&self) -> String {
         let mut sentences = vec![self.claim()];
         sentences.extend(self.figures());
+        sentences.extend(self.solved_for());
         sentences.extend(self.not_carried_over());
         sentences.extend(self.elsewhere());
         sentences.extend(self.open_elsewhere());
@@ -99,6 +102,31 @@ impl Statement<'_> {
                 (!figures.is_empty()).then(|| format!("{head}: {}.", figures.join("; ")))
             })
             .collect()
+    }
+
+    /// Models with a number that was solved for so that counts come out: their figures are shown without what the counts leave open.
+    fn solved_for(&self) -> Vec<String> {
+        let is_uncertain = |evidence: &Evidence| {
+            let mut findings = evidence.findings.iter();
+            findings.any(|it| matches!(&it.measure, Measure::Probability { credible, .. } if credible.is_some()))
+        };
+        let pieces = self.asked.pieces.iter().map(|it| it.evidence);
+        let solved = pieces.filter(|it| {
+            it.technique.is_of_model() && !it.calibrated.is_empty() && !is_uncertain(it)
+        });
+        let sentence = |it: &Evidence| {
+            let set: Vec<String> = it
+                .calibrated
+                .iter()
+                .map(|one| format!("`{}` from the counts of {}", one.parameter, one.from))
+                .collect();
+            format!(
+                "In {} {} was solved for: how uncertain these counts leave it is not in its figure.",
+                it.id,
+                list(&set)
+            )
+        };
+        solved.map(sentence).collect()
     }
 
     /// Models that are declared to carry over and do not, unless what is left out says it.
