@@ -238,6 +238,7 @@ fn name_of(subject: &Subject) -> String {
 /// How often a subject is triggered, of all runs.
 fn rate_of_trigger(finding: &Finding) -> Option<Rate> {
     match finding.trigger.as_deref()? {
+        Measure::Counts { trials: 0, .. } => None,
         Measure::Counts { count, trials, .. } => Some(Rate::counted(*count, *trials)),
         Measure::Probability { answer, .. } => Some(Rate::Computed(answer.value)),
         Measure::NotExpressible { .. } | Measure::NotCovered { .. } => None,
