@@ -532,9 +532,7 @@ impl Cohort {
 
     /// A binding to a column that the table lacks is a mistake of either; it is shown where the column is named.
     fn has_column(&self, study: &Study, binding: &Binding) -> Result<(), Problem> {
-        let text = &binding.text;
-        let header = text.split_once(':').map_or(text.as_str(), |it| it.0);
-        let Err(error) = self.table.column(header.trim()) else {
+        let Err(error) = self.table.column(columns::header(&binding.text)) else {
             return Ok(());
         };
         Err(table_problem(error)

@@ -4,11 +4,10 @@
 //! them what they have in common, for counts that do not tell it: 0 of n, n of n, and totals of which the
 //! tables do not say who did what (`stats::common_correlation`).
 
-use super::{Cohort, not_covered};
+use super::{Cohort, columns, not_covered};
 use diagnostic::Problem;
 use evidence::{Measure, Subject, TakenCorrelation};
 use stats::{ClusterMethod, CommonCorrelation, Confidence, Sample, StatsError};
-use std::collections::BTreeSet;
 use study::{Study, SubjectForm};
 
 /// What a cohort tells of the likeness of its trials.
@@ -25,18 +24,10 @@ pub(super) struct Alike {
 impl Alike {
     /// From all columns of the cohort by which something is counted, each once.
     pub fn of(study: &Study, cohort: &Cohort) -> Result<Self, Problem> {
-        let counted_by = study.forms.subjects.iter().filter_map(|form| {
-            let binding = study
-                .vocabulary
-                .propositions
-                .get(form.experiment.as_ref()?)?;
-            Some(binding.column.as_ref()?.text.as_str())
-        });
-        let bindings: BTreeSet<&str> = counted_by
-            .filter(|binding| !cohort.left_to_others.contains(*binding))
-            .collect();
+        let bindings = columns::bindings(study).into_iter();
+        let here = bindings.filter(|binding| !cohort.left_to_others.contains(*binding));
         let (mut columns, mut counts) = (Vec::new(), Vec::new());
-        for binding in bindings {
+        for binding in here {
             let by_subject = cohort.counts(binding)?;
             let total = stats::pool(&by_subject).map_err(bad)?;
             if total.successes > 0 && total.failures() > 0 {

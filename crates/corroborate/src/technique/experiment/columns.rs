@@ -16,8 +16,8 @@ use std::collections::BTreeSet;
 use study::Study;
 use trace::Table;
 
-/// The bindings whose columns this cohort leaves to others.
-pub(super) fn left_to_others(study: &Study, table: &Table) -> BTreeSet<String> {
+/// The bindings by which experiments count something, each once.
+pub(super) fn bindings(study: &Study) -> BTreeSet<&str> {
     let propositions = study.forms.subjects.iter().filter_map(|form| {
         let proposition = study
             .vocabulary
@@ -25,12 +25,16 @@ pub(super) fn left_to_others(study: &Study, table: &Table) -> BTreeSet<String> {
             .get(form.experiment.as_ref()?)?;
         Some(proposition.column.as_ref()?.text.as_str())
     });
-    let bindings: BTreeSet<&str> = propositions.collect();
+    propositions.collect()
+}
+
+/// The bindings whose columns this cohort leaves to others.
+pub(super) fn left_to_others(study: &Study, table: &Table) -> BTreeSet<String> {
     let has = |headers: &[String], binding: &str| {
         let wanted = header(binding);
         headers.iter().any(|header| header == wanted)
     };
-    let (own, lacking): (Vec<&str>, Vec<&str>) = bindings
+    let (own, lacking): (Vec<&str>, Vec<&str>) = bindings(study)
         .into_iter()
         .partition(|binding| has(table.headers(), binding));
     if own.is_empty() || lacking.is_empty() {
@@ -44,6 +48,6 @@ pub(super) fn left_to_others(study: &Study, table: &Table) -> BTreeSet<String> {
 }
 
 /// The header of the column that a binding names: `failures` of `failures: drop`.
-fn header(binding: &str) -> &str {
+pub(super) fn header(binding: &str) -> &str {
     binding.split_once(':').map_or(binding, |it| it.0).trim()
 }

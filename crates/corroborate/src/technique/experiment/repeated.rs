@@ -16,6 +16,7 @@
 //! are found, too, where they repeat what they did; those trials are not independent either. Not found are fewer than ten
 //! rows, rows under other names, and rows of so few values that chance gives as many: 0 of 10 each time tells nothing.
 
+use super::columns::header;
 use super::placed::table_problem;
 use diagnostic::Problem;
 use evidence::{Evidence, RepeatedRows};
@@ -80,13 +81,7 @@ pub fn tables(study: &Study) -> Result<Vec<Told>, Problem> {
 pub(super) fn counted_columns(study: &Study) -> BTreeSet<&str> {
     let bindings = study.vocabulary.propositions.values();
     let texts = bindings.filter_map(|it| Some(it.column.as_ref()?.text.as_str()));
-    texts
-        .map(|text| {
-            text.split_once(':')
-                .map_or(text, |(header, _)| header)
-                .trim()
-        })
-        .collect()
+    texts.map(header).collect()
 }
 
 fn repeated(
