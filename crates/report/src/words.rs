@@ -155,10 +155,6 @@ pub fn apart() -> Mark {
     mark("·", "takes no part", "none")
 }
 
-/// How far the promise is kept where several quantities share the level and people are counted (`crates/evidence/ERROR_RATES.md`).
-const BY_SUBJECT: &str = " Where few people who are very alike are counted for several quantities it can be more: 14 % in the worst case \
-                          that is known (4 quantities, 25 people of its own for each).";
-
 /// For what the error rates of the verdicts hold; `None` where there is no verdict.
 pub fn error_rates(study: &StudyResult) -> Option<String> {
     let rates = study.conclusions.iter().map(|one| one.error_rate);
@@ -183,15 +179,11 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
     Some(match rate.holds_for {
         ErrorFamily::Study => format!(
             "Error rates: over the whole study ({} tested), a false \"satisfied\" of the system has a probability of at \
-             most {level}, and so has a false \"violated\"{model}.{} Verdicts in simulation and for the model hold for these alone.",
+             most {level}, and so has a false \"violated\"{model}. Verdicts in simulation and for the model hold for these alone.",
             match rate.quantities {
                 1 => "1 quantity".to_owned(),
                 many => format!("{many} quantities"),
             },
-            match rate.quantities > 1 && is_counted_by_subject(study) {
-                true => BY_SUBJECT,
-                false => "",
-            }
         ),
         ErrorFamily::Requirement => format!(
             "Error rates: for each requirement by itself, a false verdict of the system has a probability of at most \

@@ -11,12 +11,23 @@ use stats::{
 };
 
 const LEVELS: [f64; 4] = [0.05, 0.025, 0.0125, 0.005];
-const CORRELATIONS: [f64; 7] = [0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7];
+const CORRELATIONS: [f64; 9] = [0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.6, 0.7, 0.85];
 const RATES: [f64; 5] = [0.5, 0.7, 0.8, 0.9, 0.95];
-const SIZES: [(usize, u64); 6] = [(4, 5), (5, 10), (10, 5), (20, 2), (20, 5), (30, 3)];
+const SIZES: [(usize, u64); 8] = [
+    (4, 5),
+    (5, 10),
+    (10, 5),
+    (20, 2),
+    (20, 5),
+    (25, 4),
+    (30, 3),
+    (100, 2),
+];
 
-/// P-values of "above" and "below" by each test: at the effective size, by the likelihood, by both.
-type Doubts = [[f64; 2]; 3];
+/// P-values of "above" and "below" by each test: at the effective size, by the likelihood, by both, and by these and the
+/// probability of as good a count.
+type Doubts = [[f64; 2]; TESTS];
+const TESTS: usize = 4;
 
 /// The p-values at each rate as a threshold.
 fn doubts(clusters: &[Sample]) -> [Doubts; RATES.len()] {
@@ -27,10 +38,11 @@ fn doubts(clusters: &[Sample]) -> [Doubts; RATES.len()] {
             clustered_test_above(rate.worth, threshold),
             clustered_test_below(rate.worth, threshold),
         ];
-        let (above, below) = fit.threshold_tests(threshold);
-        let likelihood = [above, below];
-        let both = [0, 1].map(|side| f64::max(worth[side], likelihood[side]));
-        [worth, likelihood, both]
+        let pair = |(above, below): (f64, f64)| [above, below];
+        let likelihood = pair(fit.likelihood_tests(threshold));
+        let with_count = pair(fit.threshold_tests(threshold));
+        let larger = |other: [f64; 2]| [0, 1].map(|side| f64::max(worth[side], other[side]));
+        [worth, likelihood, larger(likelihood), larger(with_count)]
     })
 }
 
@@ -104,13 +116,13 @@ fn clusters(outcome: &[usize], trials: u64) -> Vec<Sample> {
 }
 
 /// The probability of a decision, by test, side and level.
-type Sizes = [[[f64; 4]; 2]; 3];
+type Sizes = [[[f64; 4]; 2]; TESTS];
 
 /// The largest probability of each decision under some laws: by test, side and level.
 fn sizes(found: &[(Vec<usize>, [Doubts; RATES.len()])], rate: usize, laws: &[Law]) -> Sizes {
-    let mut largest = [[[0.0_f64; 4]; 2]; 3];
+    let mut largest = [[[0.0_f64; 4]; 2]; TESTS];
     for law in laws {
-        let mut sums = [[[0.0; 4]; 2]; 3];
+        let mut sums = [[[0.0; 4]; 2]; TESTS];
         for (outcome, doubts) in found {
             let probability = probability(outcome, law);
             for (test, side, level) in cells() {
@@ -127,7 +139,7 @@ fn sizes(found: &[(Vec<usize>, [Doubts; RATES.len()])], rate: usize, laws: &[Law
 }
 
 fn cells() -> impl Iterator<Item = (usize, usize, usize)> {
-    (0..3)
+    (0..TESTS)
         .flat_map(|test| (0..2).flat_map(move |side| (0..4).map(move |level| (test, side, level))))
 }
 
@@ -141,8 +153,10 @@ fn larger(one: &Sizes, other: &Sizes) -> Sizes {
 }
 
 fn main() {
-    println!("| clusters x trials | law | claim | at `n*` | by the likelihood | by both |");
-    println!("|---|---|---|---|---|---|");
+    println!(
+        "| clusters x trials | law | claim | at `n*` | by the likelihood | by both | and as good a count |"
+    );
+    println!("|---|---|---|---|---|---|---|");
     for (number, trials) in SIZES {
         let all = outcomes(number, trials as usize + 1);
         let with_doubts = |it: &Vec<usize>| (it.clone(), doubts(&clusters(it, trials)));
@@ -170,10 +184,11 @@ fn main() {
                         .join(" ")
                 };
                 println!(
-                    "| {number} x {trials} | {name} | {claim} | {} | {} | {} |",
+                    "| {number} x {trials} | {name} | {claim} | {} | {} | {} | {} |",
                     of(0),
                     of(1),
-                    of(2)
+                    of(2),
+                    of(3)
                 );
             }
         }

@@ -30,6 +30,7 @@
 //! given its rate. Rates have a beta distribution, which few clusters cannot show to be wrong: [`mod@crate::clustered`] has
 //! the errors under another law. Sizes tell nothing of rates.
 
+use crate::clustered_tail::tails;
 use crate::counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 use crate::heterogeneity::pool;
 use crate::special::{
@@ -117,9 +118,24 @@ impl BetaBinomial {
     }
 
     /// P-values of the mean being at most the threshold (a small value is evidence that it is above) and at least the
-    /// threshold (evidence that it is below). At 2.5 % the threshold is an end of the 95 % [`interval`](Self::interval).
+    /// threshold (evidence that it is below): the greater of those by the ratio of likelihoods, of which the one is 2.5 % at
+    /// an end of the 95 % [`interval`](Self::interval), and of the probabilities of as good a count at the threshold, with the
+    /// correlation that is most likely there.
     #[must_use]
     pub fn threshold_tests(&self, threshold: f64) -> (f64, f64) {
+        let (above, below) = self.likelihood_tests(threshold);
+        // Certainty is excluded by one outcome to the contrary.
+        if threshold <= 0.0 || threshold >= 1.0 {
+            return (above, below);
+        }
+        let correlation = self.model.most_likely_correlation(threshold);
+        let (as_high, as_low) = tails(&self.model.counts, threshold, correlation);
+        (above.max(as_high), below.max(as_low))
+    }
+
+    /// Those by the ratio of likelihoods alone.
+    #[must_use]
+    pub fn likelihood_tests(&self, threshold: f64) -> (f64, f64) {
         let (deviate, degrees) = (self.deviate(threshold), self.clusters as f64 - 1.0);
         (
             student_t_sf(deviate, degrees),

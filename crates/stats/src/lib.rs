@@ -30,6 +30,7 @@ mod boschloo;
 mod cluster;
 mod cluster_robust;
 mod clustered;
+mod clustered_tail;
 mod coincidence;
 mod combination;
 mod common_correlation;

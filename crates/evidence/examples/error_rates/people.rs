@@ -122,5 +122,16 @@ pub fn rows(studies: u64) -> Vec<Row> {
             }
         }
     }
+    // Whose attempts are so alike that the likely cohort has nobody who fails.
+    for requirements in [1, 4] {
+        let case = Case {
+            people: 25,
+            each: 4,
+            correlation: 0.6,
+            rate: 0.9,
+            requirements,
+        };
+        jobs.push(Box::new(move || of(&case, studies)));
+    }
     all(&jobs)
 }

@@ -3,14 +3,15 @@
 //! # Definition
 //! The effective size of a count is that of its 95 % interval. A test at another level, or of a threshold far from the
 //! rate, asks how improbable the counts are under the *least favourable* correlation at the threshold: that is the
-//! likelihood of the beta-binomial model, profiled over the correlation ([`stats::BetaBinomial::threshold_tests`]). A claim
-//! needs both tests: its p-value is the greater.
+//! likelihood of the beta-binomial model, profiled over the correlation, and the probability of as good a count at that
+//! correlation ([`stats::BetaBinomial::threshold_tests`]). A claim needs all tests: its p-value is the greatest.
 //!
 //! # Why
 //! People who hardly ever fail do not show how much they differ, so one failure in a hundred attempts counts as one in a
 //! hundred independent trials; and the score test, which speaks of rates below a threshold, takes tails that are skew for
-//! normal. The likelihood at the threshold knows both. By itself it says too much where few people have two attempts.
-//! `stats::clustered` has the sizes of each and of both.
+//! normal. The likelihood at the threshold knows both. By itself it says too much where few people have two attempts, and
+//! at the small levels of a study of several quantities, for which it is no limit: there the count is asked.
+//! `stats::clustered` has the sizes of each and of all.
 //!
 //! Neither knows of subjects of a kind that none of these is. By how much a claim rests on there being none is found by
 //! [`stats::with_unmet_kind`], and said beside the claim. One subject's trials speak of that subject, and where each has a
@@ -21,7 +22,7 @@
 //! the rate. A claim takes every kind of people as met, and says beside it where it rests on that.
 //!
 //! # Guarantee
-//! Never more claims than by the effective size alone. Asymptotic in the number of subjects; measured there.
+//! Never more claims than by the effective size alone. Near its level for any number of subjects, as measured there.
 
 use stats::{BetaBinomial, Sample, with_unmet_kind};
 use std::cell::OnceCell;

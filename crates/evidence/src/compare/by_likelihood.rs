@@ -339,7 +339,8 @@ mod tests {
         assert_eq!(found, swapped);
     }
 
-    /// Of many people who do not differ it is the ratio of likelihoods of two binomial counts.
+    /// Of many people who do not differ it is the ratio of likelihoods of two binomial counts, but that the probability of as good a
+    /// count has the whole of the one that was observed.
     #[test]
     fn of_many_who_do_not_differ_it_is_that_of_two_counts() {
         let mut people = vec![(1, 2); 300];
@@ -353,7 +354,7 @@ mod tests {
         let ratio = ln(a, n, a / n) + ln(b, m, b / m) - ln(a, n, pooled) - ln(b, m, pooled);
         let expected = chi_squared_sf(2.0 * ratio, 1.0);
         assert!(
-            (found.difference / expected - 1.0).abs() < 0.03,
+            (found.difference / expected - 1.0).abs() < 0.06,
             "{found:?} {expected}"
         );
         let swapped = both(&counts(330, 500), &first, 0.1);
