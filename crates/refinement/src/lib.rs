@@ -43,6 +43,7 @@ pub use offers::{Offer, Offers, Ranked};
 pub use requirement_rates::NamedOffer;
 pub use rewritten::{Rewritten, RewrittenOffer};
 pub use slips::Slip;
+pub use solve::{Moved, nearest_crossing};
 pub use structure::FREE_VALUE;
 pub use text_change::{TextChange, steps};
 pub use trial::{Touch, Trial};

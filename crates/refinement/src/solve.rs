@@ -19,7 +19,10 @@
 //! Some ten solutions of the model for each value. Where the model's transitions stay the same, `f` is a quotient of
 //! polynomials and continuous, so that an enclosed crossing is a solution; of several, the one next to the present
 //! value in its direction is taken. What is returned has been solved, and has the share to within [`CLOSE`] of it. A
-//! value at which the model is not valid, such as probabilities above 1, is never crossed.
+//! value at which the model is not valid, such as probabilities above 1, is never crossed; up to it is looked.
+
+use crate::model_change::{FARTHEST, Read};
+use crate::number::Number;
 
 /// The relative error of the rate at which the search ends.
 pub(crate) const CLOSE: f64 = 1e-4;
@@ -29,6 +32,9 @@ const FARTHEST_LOG: f64 = 7.2;
 
 /// Constants nearer to 0 or 1 than this are not tried.
 const LEAST: f64 = 1e-9;
+
+/// How often the step to a value that the model cannot have is halved: to a thousandth of the log-odds.
+const HALVINGS: usize = 12;
 
 /// Solutions of one search, at most.
 const MOST_STEPS: usize = 60;
@@ -74,6 +80,55 @@ impl Scale {
     }
 }
 
+/// A constant of a model as it is written, and the scale on which it is moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moved {
+    /// Its value.
+    pub value: f64,
+    scale: Scale,
+}
+
+impl Moved {
+    /// The constant `name` of a model's text; `None` where it has none of that name that is above 0.
+    #[must_use]
+    pub fn of_model(text: &str, name: &str) -> Option<Self> {
+        let read = Read::new(text).ok()?;
+        let (value, scale) = Number::Constant(name.to_owned()).value(&read)?;
+        Some(Self { value, scale })
+    }
+
+    /// The same at another value.
+    #[must_use]
+    pub fn at(self, value: f64) -> Self {
+        Self { value, ..self }
+    }
+}
+
+/// The value of a constant with which the rate is `target`, within a relative error of 1e-4 of the smaller of it and the rest, the next
+/// one to where the constant is; where none is found, that of all that were tried with which the rate is nearest. `None` where
+/// the rate has no value there.
+#[must_use]
+pub fn nearest_crossing(
+    rate: &mut dyn FnMut(f64) -> Option<f64>,
+    constant: Moved,
+    target: f64,
+) -> Option<f64> {
+    let mut nearest: Option<(f64, f64)> = None;
+    let from = (constant.value, constant.scale);
+    let is_rest = target > 0.5;
+    let mut watched = |value: f64| {
+        let found = rate(value)?;
+        let distance = (found - target).abs();
+        if nearest.is_none_or(|(least, _)| distance < least) {
+            nearest = Some((distance, value));
+        }
+        Some(if is_rest { 1.0 - found } else { found })
+    };
+    let wanted = if is_rest { 1.0 - target } else { target };
+    let found = crossing(&mut watched, from, wanted, FARTHEST);
+    found.or(nearest.map(|(_, value)| value))
+}
+
 /// The value of a constant with which the rate is `target`, at most `farthest` away from `start` in its scale.
 pub(crate) fn crossing(
     rate: &mut Rate<'_>,
@@ -107,21 +162,76 @@ pub(crate) fn crossing(
                 continue;
             }
             let high = origin + sign * next;
-            let Some(of_high) = at(high) else {
-                // Beyond a value at which the model is not valid nothing is looked for.
-                end.2 = false;
-                continue;
+            let (high, of_high) = match at(high) {
+                Some(of_high) => (high, of_high),
+                None => {
+                    // Beyond a value at which the model is not valid nothing is looked for.
+                    end.2 = false;
+                    last_valid(&mut at, (low, of_low), high)
+                }
             };
             if of_low * of_high <= 0.0 {
                 return enclosed(&mut at, (low, of_low), (high, of_high), target)
                     .map(|x| scale.value(x));
             }
-            *end = (high, of_high, true);
+            (end.0, end.1) = (high, of_high);
         }
         reached = next;
         step *= 2.0;
     }
     None
+}
+
+/// The last place, from one that the model can have towards one that it cannot, that it can have.
+fn last_valid(
+    at: &mut dyn FnMut(f64) -> Option<f64>,
+    valid: (f64, f64),
+    mut invalid: f64,
+) -> (f64, f64) {
+    let mut valid = valid;
+    for _ in 0..HALVINGS {
+        let middle = f64::midpoint(valid.0, invalid);
+        match at(middle) {
+            Some(found) => valid = (middle, found),
+            None => invalid = middle,
+        }
+    }
+    valid
+}
+
+/// The other values of a constant with which the rate is `target`, of such as are at most `farthest` away in its scale from an even
+/// chance, or from where a positive number is: the rate need not be monotone. Where it crosses twice between two of the
+/// values that are tried, a step of the scale apart, neither is found.
+pub(crate) fn other_crossings(
+    rate: &mut Rate<'_>,
+    (start, scale): (f64, Scale),
+    target: f64,
+    farthest: f64,
+) -> Vec<f64> {
+    if !(target > 0.0 && target < 1.0) {
+        return Vec::new();
+    }
+    let (origin, farthest) = match scale {
+        Scale::Odds => (0.0, farthest),
+        Scale::Log => (scale.place(start), farthest.min(FARTHEST_LOG)),
+    };
+    let mut at = |x: f64| rate(scale.value(x)).map(|found| log_odds(found) - log_odds(target));
+    let steps = farthest.floor() as i32;
+    let places = (-steps..=steps).map(|step| origin + f64::from(step));
+    let tried: Vec<(f64, f64)> = places.filter_map(|x| Some((x, at(x)?))).collect();
+    let now = scale.place(start);
+    let crossings = tried.windows(2).filter_map(|pair| {
+        let (low, high) = (pair[0], pair[1]);
+        // Values that the model cannot have lie between such as are not neighbours.
+        let is_found =
+            low.1 * high.1 <= 0.0 && high.0 - low.0 < 1.5 && !(low.0..=high.0).contains(&now);
+        is_found
+            .then(|| enclosed(&mut at, low, high, target))
+            .flatten()
+    });
+    let mut found: Vec<f64> = crossings.filter(|x| (x - now).abs() > 1e-3).collect();
+    found.dedup_by(|next, kept| (*next - *kept).abs() < 1e-3);
+    found.into_iter().map(|x| scale.value(x)).collect()
 }
 
 /// The place of the crossing between two of opposite signs.
@@ -196,6 +306,20 @@ mod tests {
         let mut falling = |c: f64| Some((1.0 - c).powi(2));
         let found = crossing(&mut falling, (0.9, Scale::Odds), 0.25, 12.0).expect("a crossing");
         assert!((found - 0.5).abs() < 1e-4, "{found}");
+    }
+
+    /// Of an even chance that is tried twice and has to come out once, the contrary chance gives the same rate.
+    #[test]
+    fn the_other_side_of_a_rate_that_turns_is_found() {
+        let mut turns = |c: f64| Some(2.0 * c * (1.0 - c));
+        let found = other_crossings(&mut turns, (0.1, Scale::Odds), 0.18, 12.0);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!((found[0] - 0.9).abs() < 1e-4, "{found:?}");
+        let mut rises = |c: f64| Some(c * c);
+        assert_eq!(
+            other_crossings(&mut rises, (0.3, Scale::Odds), 0.09, 12.0),
+            Vec::<f64>::new()
+        );
     }
 
     #[test]

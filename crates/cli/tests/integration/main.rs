@@ -70,6 +70,7 @@ mod shrink;
 mod signals;
 mod simulation;
 mod snippets;
+mod solved_for;
 mod support;
 mod verdict_steps;
 mod what_if;

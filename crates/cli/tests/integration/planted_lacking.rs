@@ -165,9 +165,8 @@ fn a_number_that_was_solved_for_is_a_number_of_the_study_from_then_on() {
     assert!(ledger.contains("parameter = \"pOpens\""), "{ledger}");
     let said = study.run(&["run", "study", "--quiet"]);
     assert!(said.code < 4 && said.code != 2, "{said:?}");
-    // What the counts leave open of it is not carried on, which the verdict says.
-    let words = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("`pOpens` from the counts of"), "{words}");
+    // What the counts leave open of it is in the model's figures.
+    assert!(!said.out.contains("solved for"), "{said:?}");
     // A name that the model does not have is told.
     study.write(
         "ledger.toml",

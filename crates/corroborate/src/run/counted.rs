@@ -1,4 +1,5 @@
-//! Constants of models that were set to counts: held against these, and carried on with their uncertainty.
+//! Constants of models that were set to counts, or solved for so that counts come out: held against these, and carried on with
+//! their uncertainty.
 
 use crate::corroboration::{Piece, is_rounding};
 use crate::technique::CountedConstant;
@@ -22,10 +23,15 @@ pub(crate) fn counted_constants(
     }
     for calibrated in &entry.calibrated {
         let calibrated = &as_counted(calibrated, before, value_of);
-        let Some(constant) = &calibrated.constant else {
-            continue;
-        };
         let calibration = &calibrated.calibration;
+        let is_solved = calibrated.constant.is_none()
+            && entry.work.model().is_some()
+            && value_of(&calibration.parameter).is_some();
+        let constant = match &calibrated.constant {
+            Some(constant) => constant,
+            None if is_solved => &calibration.parameter,
+            None => continue,
+        };
         // With --only, the evidence that supplies the counts may be left out;
         // the result is then kept under other inputs.
         let finding = before
@@ -35,7 +41,14 @@ pub(crate) fn counted_constants(
         let Some(finding) = finding else {
             continue;
         };
+        let solved_for = match is_solved {
+            true => finding.measure.estimate(),
+            false => None,
+        };
         let Some(posterior) = calibrated.posterior(finding, level) else {
+            if is_solved {
+                continue;
+            }
             return Err(Problem::new(
                 "bad-calibration",
                 format!(
@@ -56,6 +69,7 @@ pub(crate) fn counted_constants(
             subject: calibration.subject.clone(),
             is_complement: calibrated.is_complement,
             held: calibrated.held,
+            solved_for,
         });
     }
     Ok(counted)

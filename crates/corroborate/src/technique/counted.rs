@@ -36,6 +36,9 @@ pub struct CountedConstant {
     pub is_complement: bool,
     /// Whether it keeps its value; then only its bearing is found out.
     pub held: bool,
+    /// The rate for which it was solved, where it is not the rate itself: the posterior is that of what the model computes for
+    /// the subject, and the constant has the value with which the model does (`model_checking::solved`).
+    pub solved_for: Option<f64>,
 }
 
 /// What results depend on by the counts of constants.
@@ -49,6 +52,9 @@ pub(crate) fn counts_as_inputs(counted: &[CountedConstant], inputs: &mut Inputs)
             constant.is_complement,
         );
         inputs.add_json(&format!("source of {}", constant.name), &source);
+        if let Some(rate) = constant.solved_for {
+            inputs.add_json(&format!("{} is solved for", constant.name), &rate);
+        }
     }
 }
 
@@ -88,7 +94,8 @@ impl Sources {
         }
     }
 
-    /// The value of each constant where the sources have these values.
+    /// The value of each constant where the sources have these values; of one that was solved for the rate that the model has
+    /// with it.
     pub fn constants_at(&self, point: &[f64]) -> Vec<f64> {
         let value = |(source, is_mirrored): &(usize, bool)| match is_mirrored {
             true => 1.0 - point[*source],

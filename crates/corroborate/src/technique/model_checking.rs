@@ -16,6 +16,7 @@ mod given;
 mod point_values;
 mod robust;
 mod schedulers;
+mod solved;
 mod uncertainty;
 mod vacuity;
 mod worst_case;

@@ -28,7 +28,7 @@ impl Statement<'_> {
     pub fn words(&self) -> String {
         let mut sentences = vec![self.claim()];
         sentences.extend(self.figures());
-        sentences.extend(self.solved_for());
+        sentences.extend(self.set_to_counts());
         sentences.extend(self.not_carried_over());
         sentences.extend(self.elsewhere());
         sentences.extend(self.open_elsewhere());
@@ -104,29 +104,34 @@ impl Statement<'_> {
             .collect()
     }
 
-    /// Models with a number that was solved for so that counts come out: their figures are shown without what the counts leave open.
-    fn solved_for(&self) -> Vec<String> {
-        let is_uncertain = |evidence: &Evidence| {
-            let mut findings = evidence.findings.iter();
-            findings.any(|it| matches!(&it.measure, Measure::Probability { credible, .. } if credible.is_some()))
-        };
-        let pieces = self.asked.pieces.iter().map(|it| it.evidence);
-        let solved = pieces.filter(|it| {
-            it.technique.is_of_model() && !it.calibrated.is_empty() && !is_uncertain(it)
-        });
+    /// Models with a number that was set to counts, or solved for so that they come out, whose uncertainty is in none of their
+    /// figures.
+    fn set_to_counts(&self) -> Vec<String> {
         let sentence = |it: &Evidence| {
-            let set: Vec<String> = it
-                .calibrated
-                .iter()
+            let is_in_a_figure = |parameter: &str| {
+                let spreads = it.findings.iter().filter_map(|it| match &it.measure {
+                    Measure::Probability { credible, .. } => Some(&credible.as_ref()?.spread),
+                    _ => None,
+                });
+                let mut sources = spreads.flatten().flat_map(|it| it.constant.split(", "));
+                sources.any(|name| name == parameter)
+            };
+            let left = it.calibrated.iter();
+            let left: Vec<String> = left
+                .filter(|one| !is_in_a_figure(&one.parameter))
                 .map(|one| format!("`{}` from the counts of {}", one.parameter, one.from))
                 .collect();
-            format!(
-                "In {} {} was solved for: how uncertain these counts leave it is not in its figure.",
-                it.id,
-                list(&set)
-            )
+            (!left.is_empty()).then(|| {
+                format!(
+                    "In {} {} was set or solved for: how uncertain these counts leave it is not in its figure.",
+                    it.id,
+                    list(&left)
+                )
+            })
         };
-        solved.map(sentence).collect()
+        let pieces = self.asked.pieces.iter().map(|it| it.evidence);
+        let models = pieces.filter(|it| it.technique.is_of_model());
+        models.filter_map(sentence).collect()
     }
 
     /// Models that are declared to carry over and do not, unless what is left out says it.

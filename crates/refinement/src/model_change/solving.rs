@@ -292,16 +292,39 @@ pub(crate) fn with_interval(
         && let Some([low, high]) = interval_of(&read, solver, number, value, (subject, counts))
     {
         changed.notes.push(format!(
-            "{} lies between {} and {}, by the interval of the counted rate, {:.1} to {:.1} %; other values give the same rates where it \
-             is not monotone in it.",
+            "{} lies between {} and {}, by the interval of the counted rate, {:.1} to {:.1} %{}.",
             at_its_line(number, text),
             digits(low),
             digits(high),
             100.0 * counts.interval()[0],
-            100.0 * counts.interval()[1]
+            100.0 * counts.interval()[1],
+            also_with(&read, solver, number, value, (subject, counts))
         ));
     }
     (change, changed)
+}
+
+/// With which other values the rate is the same, in words; nothing where none is found.
+fn also_with(
+    read: &Read,
+    solver: &dyn Solver,
+    number: &Number,
+    value: f64,
+    (subject, counts): (&Subject, &Counts),
+) -> String {
+    let Some((_, scale)) = number.value(read) else {
+        return String::new();
+    };
+    let mut rate = |value: f64| rate_with(read, solver, number, value, subject);
+    let others = solve::other_crossings(&mut rate, (value, scale), counts.rate(), FARTHEST);
+    let others: Vec<String> = others.into_iter().map(digits).collect();
+    match others.is_empty() {
+        true => String::new(),
+        false => format!(
+            ", unless it is another solution: {} gives the same rate, too",
+            others.join(" or ")
+        ),
+    }
 }
 
 /// The constant at the ends of the interval of the counts, in order.

@@ -213,6 +213,7 @@ fn own_constant((name, sample): &(String, stats::Sample)) -> CountedConstant {
         subject: Subject::FailureMode(name.clone()),
         is_complement: false,
         held: false,
+        solved_for: None,
     }
 }
 

@@ -17,6 +17,9 @@
 //! half of what the level leaves, so that the whole range lies within with at least the level's posterior probability
 //! (Bonferroni's inequality, `evidence::CredibleInterval::of_ends`).
 //!
+//! A constant that was solved for has at each point the value with which the model has the rate of that point
+//! ([`super::solved`]), with the other constants as they are there. Robust bounds are not found then.
+//!
 //! # Assumes
 //! Sources of counts are independent of each other, with Jeffreys' priors, and their trials are, or count at their
 //! effective size. The model is right but for these constants.
@@ -45,6 +48,9 @@ const POINTS_OF_FUNCTIONS: usize = 8192;
 
 /// Points at which functions are tried before they are evaluated at all others.
 const POINTS_TRIED: usize = 64;
+
+/// Where a constant is solved for at each point, which takes some ten answers, there are so many times fewer points.
+const SHARE_OF_SOLVED: usize = 4;
 
 /// A change of a probability below this is rounding.
 const NO_EFFECT: f64 = 1e-9;
@@ -101,46 +107,62 @@ impl Compiled<'_> {
         begin: &dyn Fn(&str, u64) -> Stage,
     ) -> Result<(), Problem> {
         let level = crate::technique::confidence(self.study.about.confidence)?;
+        let cancel = || interrupt.is_cancelled();
+        let solved = self.solved_for(counted, &cancel)?;
+        let counted = &solved.counted[..];
+        if counted.is_empty() {
+            return Ok(());
+        }
         let sources = Sources::of(counted);
-        let functions = self.functions(counted, &|| interrupt.is_cancelled())?;
-        let functions = functions.filter(|it| !self.is_slow_about(it, &sources));
+        let constants_at = |point: &[f64]| solved.as_written(sources.constants_at(point));
+        let functions = self.functions(counted, &cancel)?;
+        let functions = functions.filter(|it| !self.is_slow_about(it, &sources, &constants_at));
         let means: Vec<f64> = sources
             .posteriors
             .iter()
             .map(|posterior| posterior.mean())
             .collect();
         let evaluations = match &functions {
-            Some(functions) if functions.is_quick_at(&sources.constants_at(&means)) => {
+            Some(functions) if functions.is_quick_at(&constants_at(&means)) => {
                 POINTS_OF_FUNCTIONS * (means.len() + 2)
             }
             _ => solves(means.len()),
         };
+        let evaluations = evaluations / if solved.is_any() { SHARE_OF_SOLVED } else { 1 };
         let design =
             stats::SharesDesign::new(&sources.posteriors, evaluations, self.study.about.seed);
         let stage = begin(
             &format!("{id}: uncertainty of its constants"),
             design.rows().len() as u64,
         );
-        let rows: Vec<Vec<Rate>> = design
+        let at = |point: &[f64]| {
+            let by_function = functions.as_ref().and_then(|functions| functions.at(point));
+            match by_function {
+                Some(row) => Ok(row),
+                None => self.solve_at(counted, point, &cancel),
+            }
+        };
+        let rows: Vec<Option<Vec<Rate>>> = design
             .rows()
             .par_iter()
             .map(|point| {
                 if interrupt.is_cancelled() {
                     return Err(Problem::interrupted());
                 }
-                let point = sources.constants_at(point);
-                let by_function = functions
-                    .as_ref()
-                    .and_then(|functions| functions.at(&point));
-                let row = match by_function {
-                    Some(row) => Ok(row),
-                    None => self.solve_at(counted, &point, &|| interrupt.is_cancelled()),
-                };
+                let row = solved.row(sources.constants_at(point), &at, &cancel);
                 stage.advance();
                 row
             })
             .collect::<Result<_, _>>()?;
-        let robust = self.robust_bounds(counted, level, &|| interrupt.is_cancelled())?;
+        let Some(rows) = rows.into_iter().collect::<Option<Vec<Vec<Rate>>>>() else {
+            let set = counted.iter().filter(|it| it.solved_for.is_none());
+            let set: Vec<CountedConstant> = set.cloned().collect();
+            return self.carry_uncertainty(id, &set, findings, interrupt, begin);
+        };
+        let robust = match solved.is_any() {
+            false => self.robust_bounds(counted, level, &cancel)?,
+            true => solved.without_bounds(self.questions.len()),
+        };
         let names: Vec<&str> = sources.names.iter().map(String::as_str).collect();
         for (place, question) in self.questions.iter().enumerate() {
             let Some(finding) = findings.iter_mut().find(|f| &f.subject == question.subject) else {
@@ -168,17 +190,22 @@ impl Compiled<'_> {
 
     /// Whether floating point suffices for the functions at the means and not about them: in rational arithmetic a point
     /// takes longer than to solve the model there.
-    fn is_slow_about(&self, functions: &Functions<'_, '_>, sources: &Sources) -> bool {
+    fn is_slow_about(
+        &self,
+        functions: &Functions<'_, '_>,
+        sources: &Sources,
+        constants_at: &dyn Fn(&[f64]) -> Vec<f64>,
+    ) -> bool {
         let means: Vec<f64> = sources.posteriors.iter().map(|it| it.mean()).collect();
         let design =
             stats::SharesDesign::new(&sources.posteriors, POINTS_TRIED, self.study.about.seed);
-        let is_quick = |point: &[f64]| functions.is_quick_at(&sources.constants_at(point));
+        let is_quick = |point: &[f64]| functions.is_quick_at(&constants_at(point));
         is_quick(&means) && !design.rows().iter().all(|point| is_quick(point))
     }
 
     /// The questions' values with the counted constants at one point; `None`
     /// for questions that the model does not express.
-    fn solve_at(
+    pub(super) fn solve_at(
         &self,
         counted: &[CountedConstant],
         point: &[f64],
