@@ -25,7 +25,7 @@ const SIZES: [(usize, u64); 8] = [
 ];
 
 /// P-values of "above" and "below" by each test: at the effective size, by the likelihood, by both, and by these and the
-/// probability of as good a count.
+/// probability of a better count.
 type Doubts = [[f64; 2]; TESTS];
 const TESTS: usize = 4;
 
@@ -154,7 +154,7 @@ fn larger(one: &Sizes, other: &Sizes) -> Sizes {
 
 fn main() {
     println!(
-        "| clusters x trials | law | claim | at `n*` | by the likelihood | by both | and as good a count |"
+        "| clusters x trials | law | claim | at `n*` | by the likelihood | by both | and a better count |"
     );
     println!("|---|---|---|---|---|---|---|");
     for (number, trials) in SIZES {

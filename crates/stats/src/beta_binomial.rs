@@ -119,24 +119,28 @@ impl BetaBinomial {
 
     /// P-values of the mean being at most the threshold (a small value is evidence that it is above) and at least the
     /// threshold (evidence that it is below): the greater of those by the ratio of likelihoods, of which the one is 2.5 % at
-    /// an end of the 95 % [`interval`](Self::interval), and of the probabilities of as good a count at the threshold, with the
-    /// correlation that is most likely there.
+    /// an end of the 95 % [`interval`](Self::interval), and of the probabilities of a better count at the threshold, with the
+    /// correlation that is most likely there and half of the probability of this count.
     #[must_use]
     pub fn threshold_tests(&self, threshold: f64) -> (f64, f64) {
-        let (above, below) = self.likelihood_tests(threshold);
         // Certainty is excluded by one outcome to the contrary.
         if threshold <= 0.0 || threshold >= 1.0 {
-            return (above, below);
+            return self.likelihood_tests(threshold);
         }
-        let correlation = self.model.most_likely_correlation(threshold);
-        let (as_high, as_low) = tails(&self.model.counts, threshold, correlation);
-        (above.max(as_high), below.max(as_low))
+        let (correlation, likelihood) = self.model.profile(threshold);
+        let (above, below) = self.by_ratio(self.deviate_of(threshold, likelihood));
+        let (higher, lower) = tails(&self.model.counts, threshold, correlation);
+        (above.max(higher), below.max(lower))
     }
 
     /// Those by the ratio of likelihoods alone.
     #[must_use]
     pub fn likelihood_tests(&self, threshold: f64) -> (f64, f64) {
-        let (deviate, degrees) = (self.deviate(threshold), self.clusters as f64 - 1.0);
+        self.by_ratio(self.deviate(threshold))
+    }
+
+    fn by_ratio(&self, deviate: f64) -> (f64, f64) {
+        let degrees = self.clusters as f64 - 1.0;
         (
             student_t_sf(deviate, degrees),
             student_t_sf(-deviate, degrees),
@@ -146,15 +150,21 @@ impl BetaBinomial {
     /// What Student's deviate of normal cluster means with this ratio of likelihoods would be: positive where the mean is
     /// above the threshold.
     fn deviate(&self, threshold: f64) -> f64 {
+        // Certainty is excluded by one outcome to the contrary.
+        match threshold <= 0.0 || threshold >= 1.0 {
+            true if threshold == self.mean => 0.0,
+            true => f64::INFINITY.copysign(self.mean - threshold),
+            false => self.deviate_of(threshold, self.model.profile(threshold).1),
+        }
+    }
+
+    /// The same where the largest likelihood at the threshold is this.
+    fn deviate_of(&self, threshold: f64, likelihood: f64) -> f64 {
         if threshold == self.mean {
             return 0.0;
         }
-        // Certainty is excluded by one outcome to the contrary.
-        if threshold <= 0.0 || threshold >= 1.0 {
-            return f64::INFINITY.copysign(self.mean - threshold);
-        }
         let clusters = self.clusters as f64;
-        let fall = 2.0 * (self.most_likely - self.model.profile(threshold).1).max(0.0);
+        let fall = 2.0 * (self.most_likely - likelihood).max(0.0);
         let size = ((clusters - 1.0) * (fall / clusters).exp_m1()).sqrt();
         size.copysign(self.mean - threshold)
     }
@@ -235,11 +245,11 @@ impl Model {
         });
         let at = |mean: f64| self.ln_likelihood(mean, correlation);
         // Clusters of one rate leave no range to look in.
-        golden_section(low, high, at).1.max(at(low))
+        maximum_between(low, high, at).1.max(at(low))
     }
 
     /// The most likely correlation at a mean, and the likelihood there: a scan, because the
-    /// profile may have a second maximum far from 0, then a golden section about the best point.
+    /// profile may have a second maximum far from 0, then the best place about the best point.
     fn profile(&self, mean: f64) -> (f64, f64) {
         let at = |u: f64| self.ln_likelihood(mean, correlation_at(u));
         let best = (0..=SCAN)
@@ -248,9 +258,13 @@ impl Model {
             .fold((0.0, f64::NEG_INFINITY), |best, new| {
                 if new.1 > best.1 { new } else { best }
             });
+        // Trials are mostly no more alike than chance has them: then it falls from 0 on.
+        if best.0 == 0.0 && at(NO_CORRELATION) < best.1 {
+            return (0.0, best.1);
+        }
         let step = 1.0 / f64::from(SCAN);
         let (low, high) = ((best.0 - step).max(0.0), (best.0 + step).min(1.0));
-        let refined = golden_section(low, high, at);
+        let refined = maximum_between(low, high, at);
         let chosen = if refined.1 > best.1 { refined } else { best };
         (correlation_at(chosen.0), chosen.1)
     }
@@ -270,7 +284,7 @@ impl Model {
         // The clusters' own rates bracket the mean: beyond them, each cluster speaks against it.
         let rates = self.counts.iter().map(|(s, f, _)| s / (s + f));
         let (low, high) = rates.fold((rate, rate), |(low, high), r| (low.min(r), high.max(r)));
-        let (mean, value) = golden_section(low, high, |mean| self.profile(mean).1);
+        let (mean, value) = maximum_between(low, high, |mean| self.profile(mean).1);
         let pooled = self.profile(rate);
         if pooled.1 >= value {
             (rate, pooled.0, pooled.1)
@@ -297,6 +311,9 @@ impl Model {
 /// Steps of the scan of a profile.
 const SCAN: u32 = 16;
 
+/// The place of a correlation of 1e-9, which clusters of millions of trials do not tell from none.
+const NO_CORRELATION: f64 = 1e-3;
+
 /// Correlations at `u` from 0 to 1, dense near 0 where counts decide most.
 pub(crate) fn correlation_at(u: f64) -> f64 {
     u * u * u * MOST_ALIKE
@@ -310,14 +327,24 @@ fn times_ln(k: f64, x: f64) -> f64 {
 /// Numbers of outcomes in clusters, of which a likelihood has the sum of `R(k, m / theta)`.
 #[derive(Clone, Debug, PartialEq)]
 struct Rising {
-    /// Of the factor `1 + i theta / m`, `i` from 1: in how many clusters it occurs, of those with few outcomes.
-    factors: Vec<f64>,
+    /// Of the factors `1 + i theta / m`, `i` from 1, such as occur in equally many clusters, of those with few outcomes: from
+    /// which on, up to which, in how many.
+    runs: Vec<(u32, u32, f64)>,
+    /// Sums of the powers of `i` from the first on, for factors near 1.
+    powers: [f64; POWERS],
     /// More outcomes, and of how many clusters.
     many: Vec<(f64, f64)>,
 }
 
 /// Up to so many outcomes a product is formed of its factors, which all clusters have in common.
 const FEW: u64 = 64;
+
+/// Factors that are multiplied before a logarithm is taken: of 64 outcomes and any correlation their product is a number.
+const AT_ONCE: usize = 8;
+
+/// Terms of the logarithm's series, and up to which distance from 1 they are exact to rounding.
+const POWERS: usize = 5;
+const NEAR_ONE: f64 = 1e-3;
 
 impl Rising {
     /// Of so many outcomes in so many clusters, each.
@@ -336,23 +363,33 @@ impl Rising {
                 .iter_mut()
                 .for_each(|it| *it += times as f64);
         }
-        Self { factors, many }
+        let mut runs: Vec<(u32, u32, f64)> = Vec::new();
+        let mut powers = [0.0; POWERS];
+        for (times, i) in factors.into_iter().zip(1_u32..) {
+            match runs.last_mut() {
+                Some(run) if run.2 == times => run.1 = i,
+                _ => runs.push((i, i, times)),
+            }
+            let mut power = times;
+            for sum in &mut powers {
+                power *= f64::from(i);
+                *sum += power;
+            }
+        }
+        Self { runs, powers, many }
     }
 
     /// `sum_k ln prod_(i<k) (1 + i theta / m)`; of many outcomes, with `a = m / theta`,
     /// `D(a + k, a) - ln(1 + k/a)/2 + d(a + k) - d(a)` (deviance and Stirling errors).
     fn ln(&self, m: f64, theta: f64) -> f64 {
-        if theta <= 0.0 || (self.factors.is_empty() && self.many.is_empty()) {
+        if theta <= 0.0 || (self.runs.is_empty() && self.many.is_empty()) {
             return 0.0;
         }
         let a = m / theta;
         if a <= 0.0 {
             return f64::INFINITY;
         }
-        let factors = self.factors.iter().zip(1_u32..);
-        let few: f64 = factors
-            .map(|(times, i)| times * (f64::from(i) / a).ln_1p())
-            .sum();
+        let few = self.ln_of_few(1.0 / a);
         if self.many.is_empty() {
             return few;
         }
@@ -362,37 +399,110 @@ impl Rising {
         };
         few + self.many.iter().map(each).sum::<f64>()
     }
+
+    /// That of the clusters with few outcomes, `step` being `theta / m`: the logarithms of products of factors, or where all are
+    /// near 1 the logarithm's series, since `1 + x` rounds `x`.
+    fn ln_of_few(&self, step: f64) -> f64 {
+        let largest = self.runs.last().map_or(0.0, |run| f64::from(run.1) * step);
+        if largest < NEAR_ONE {
+            let (mut power, mut sum) = (-1.0, 0.0);
+            for (of_power, n) in self.powers.iter().zip(1_u32..) {
+                power *= -step;
+                sum += power * of_power / f64::from(n);
+            }
+            return sum;
+        }
+        let of_run = |&(from, to, times): &(u32, u32, f64)| {
+            let (mut product, mut sum) = (1.0_f64, 0.0);
+            for (place, i) in (from..=to).enumerate() {
+                product *= 1.0 + f64::from(i) * step;
+                if place % AT_ONCE == AT_ONCE - 1 {
+                    sum += product.ln();
+                    product = 1.0;
+                }
+            }
+            times * (sum + product.ln())
+        };
+        self.runs.iter().map(of_run).sum()
+    }
 }
 
 /// How closely a maximum is placed; its value is then exact to the square of that.
 const PLACE: f64 = 1e-7;
 
-/// The largest value of a function with one maximum, and where it is.
-fn golden_section(low: f64, high: f64, function: impl Fn(f64) -> f64) -> (f64, f64) {
-    const RATIO: f64 = 0.618_033_988_749_894_8;
+/// The largest value of a function with one maximum, and where it is: parabolas through the three best points, and golden
+/// sections where these lead nowhere (R. P. Brent, "Algorithms for Minimization without Derivatives", 1973, chapter 5).
+fn maximum_between(low: f64, high: f64, function: impl Fn(f64) -> f64) -> (f64, f64) {
+    const GOLDEN: f64 = 0.381_966_011_250_105_15;
     let (mut low, mut high) = (low, high);
-    let mut left = high - RATIO * (high - low);
-    let mut right = low + RATIO * (high - low);
-    let (mut at_left, mut at_right) = (function(left), function(right));
-    while high - low > PLACE * (1e-3 + high.abs()) {
-        if at_left >= at_right {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - RATIO * (high - low);
-            at_left = function(left);
+    // The best point, the second, and the one that was the second before.
+    let first = low + GOLDEN * (high - low);
+    let value = function(first);
+    let [mut best, mut second, mut third] = [(first, value); 3];
+    let (mut step, mut step_before) = (0.0_f64, 0.0_f64);
+    loop {
+        let middle = f64::midpoint(low, high);
+        let place = PLACE * (1e-3 + best.0.abs());
+        if (best.0 - middle).abs() + 0.5 * (high - low) <= 2.0 * place {
+            return best;
+        }
+        let parabola = vertex(best, second, third);
+        let is_taken = |to: &f64| {
+            step_before.abs() > place
+                && to.abs() < 0.5 * step_before.abs()
+                && (low..high).contains(&(best.0 + to))
+        };
+        match parabola.filter(is_taken) {
+            Some(to) => {
+                step_before = step;
+                let reached = best.0 + to;
+                let is_at_an_end = reached - low < 2.0 * place || high - reached < 2.0 * place;
+                step = if is_at_an_end {
+                    place.copysign(middle - best.0)
+                } else {
+                    to
+                };
+            }
+            None => {
+                step_before = if best.0 < middle {
+                    high - best.0
+                } else {
+                    low - best.0
+                };
+                step = GOLDEN * step_before;
+            }
+        }
+        let at = best.0
+            + if step.abs() < place {
+                place.copysign(step)
+            } else {
+                step
+            };
+        let new = (at, function(at));
+        let end = if new.1 >= best.1 { best.0 } else { at };
+        if (new.1 >= best.1) == (at < best.0) {
+            high = end;
         } else {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + RATIO * (high - low);
-            at_right = function(right);
+            low = end;
         }
-        if right <= left {
-            break;
+        if new.1 >= best.1 {
+            (third, second, best) = (second, best, new);
+        } else if new.1 >= second.1 || second.0 == best.0 {
+            (third, second) = (second, new);
+        } else if new.1 >= third.1 || third.0 == best.0 || third.0 == second.0 {
+            third = new;
         }
     }
-    if at_left >= at_right {
-        (left, at_left)
-    } else {
-        (right, at_right)
-    }
+}
+
+/// How far the vertex of the parabola through three points is from the first; `None` where they are on a line.
+fn vertex(first: (f64, f64), second: (f64, f64), third: (f64, f64)) -> Option<f64> {
+    let (to_second, to_third) = (first.0 - second.0, first.0 - third.0);
+    let by_third = to_second * (first.1 - third.1);
+    let by_second = to_third * (first.1 - second.1);
+    let divisor = 2.0 * (by_second - by_third);
+    let step = (to_second * by_third - to_third * by_second) / divisor;
+    (divisor != 0.0 && step.is_finite()).then_some(step)
 }
 
 /// The end of an interval between `outside`, which may be excluded, and `inside`, which is not.

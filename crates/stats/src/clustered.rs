@@ -101,56 +101,56 @@
 //! clusters that hardly ever fail are taken for surer than they are, and the score for less skew. So where the count tells
 //! how alike its trials are, a claim needs the likelihood, too ([`crate::BetaBinomial::threshold_tests`]), in which the
 //! correlation is the most likely one *at the threshold*; the likelihood alone claims too much where all of a few clusters
-//! succeed. Its own tails are those of many clusters, so the third is the probability of as good a count at that correlation, which
-//! is a sum.
+//! succeed. Its own tails are those of many clusters, so the third is the probability of a better count at that correlation,
+//! which is a sum (`clustered_tail`).
 //!
 //! Wrong decisions at levels of 5, 2.5, 1.25 and 0.5 % when the rate is the threshold, in percent, exact by all outcomes:
 //! the largest over rates 0.5, 0.7, 0.8, 0.9 and 0.95 and, *beta*, correlations 0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.6, 0.7 and 0.85;
 //! *two kinds*, for which nothing was made: all failures are of one kind of people, who always fail or fail half of the time.
 //! (`cargo run -p corroborate-stats --release --example clustered_threshold`)
 //!
-//! | clusters x trials | law | claim | at `n*` | by the likelihood | by both | and as good a count |
+//! | clusters x trials | law | claim | at `n*` | by the likelihood | by both | and a better count |
 //! |---|---|---|---|---|---|---|
-//! | 4 x 5 | beta | above | 2.1 0.9 0.0 0.0 | 6.1 2.1 0.0 0.0 | 2.1 0.9 0.0 0.0 | 2.1 0.0 0.0 0.0 |
-//! | 4 x 5 | beta | below | 2.7 1.5 1.0 0.6 | 6.1 2.1 0.8 0.3 | 2.4 1.5 0.8 0.3 | 2.4 1.5 0.8 0.2 |
-//! | 4 x 5 | two kinds | above | 0.1 0.1 0.0 0.0 | 6.3 0.1 0.0 0.0 | 0.1 0.1 0.0 0.0 | 0.1 0.0 0.0 0.0 |
-//! | 4 x 5 | two kinds | below | 3.9 2.2 1.2 0.7 | 6.3 2.3 1.0 0.4 | 3.9 2.2 1.0 0.4 | 3.9 2.2 1.0 0.3 |
-//! | 5 x 10 | beta | above | 3.7 1.8 1.2 0.8 | 7.0 3.0 1.0 0.4 | 3.7 1.8 1.0 0.4 | 2.8 1.4 0.4 0.0 |
+//! | 4 x 5 | beta | above | 2.1 0.9 0.0 0.0 | 6.1 2.1 0.0 0.0 | 2.1 0.9 0.0 0.0 | 2.1 0.9 0.0 0.0 |
+//! | 4 x 5 | beta | below | 2.7 1.5 1.0 0.6 | 6.1 2.1 0.8 0.3 | 2.4 1.5 0.8 0.3 | 2.4 1.5 0.8 0.3 |
+//! | 4 x 5 | two kinds | above | 0.1 0.1 0.0 0.0 | 6.3 0.1 0.0 0.0 | 0.1 0.1 0.0 0.0 | 0.1 0.1 0.0 0.0 |
+//! | 4 x 5 | two kinds | below | 3.9 2.2 1.2 0.7 | 6.3 2.3 1.0 0.4 | 3.9 2.2 1.0 0.4 | 3.9 2.2 1.0 0.4 |
+//! | 5 x 10 | beta | above | 3.7 1.8 1.2 0.8 | 7.0 3.0 1.0 0.4 | 3.7 1.8 1.0 0.4 | 2.8 1.5 0.6 0.0 |
 //! | 5 x 10 | beta | below | 3.8 2.5 2.0 1.1 | 5.2 3.0 1.0 0.4 | 3.2 1.7 1.0 0.4 | 3.2 1.7 0.8 0.3 |
-//! | 5 x 10 | two kinds | above | 3.1 0.2 0.1 0.0 | 3.1 3.1 0.1 0.0 | 3.1 0.2 0.1 0.0 | 3.1 0.1 0.0 0.0 |
-//! | 5 x 10 | two kinds | below | 5.7 4.6 3.5 2.4 | 5.9 4.4 3.0 1.3 | 5.7 4.4 3.0 1.3 | 5.7 4.3 2.0 0.6 |
-//! | 10 x 5 | beta | above | 4.4 4.1 2.1 1.0 | 10.5 4.2 2.7 1.0 | 4.4 4.1 2.1 1.0 | 4.4 2.1 0.7 0.3 |
-//! | 10 x 5 | beta | below | 7.1 2.9 2.2 1.3 | 4.6 2.3 1.2 0.5 | 3.7 1.8 0.9 0.4 | 3.7 1.7 0.8 0.3 |
+//! | 5 x 10 | two kinds | above | 3.1 0.2 0.1 0.0 | 3.1 3.1 0.1 0.0 | 3.1 0.2 0.1 0.0 | 3.1 0.2 0.0 0.0 |
+//! | 5 x 10 | two kinds | below | 5.7 4.6 3.5 2.4 | 5.9 4.4 3.0 1.3 | 5.7 4.4 3.0 1.3 | 5.7 4.4 2.7 0.7 |
+//! | 10 x 5 | beta | above | 4.4 4.1 2.1 1.0 | 10.5 4.2 2.7 1.0 | 4.4 4.1 2.1 1.0 | 4.4 2.1 0.8 0.4 |
+//! | 10 x 5 | beta | below | 7.1 2.9 2.2 1.3 | 4.6 2.3 1.2 0.5 | 3.7 1.8 0.9 0.4 | 3.7 1.8 0.9 0.4 |
 //! | 10 x 5 | two kinds | above | 2.8 1.2 0.6 0.1 | 10.7 2.8 2.8 0.1 | 2.8 1.2 0.6 0.1 | 2.8 1.1 0.2 0.1 |
-//! | 10 x 5 | two kinds | below | 8.6 3.5 2.6 1.5 | 5.5 2.1 1.3 0.6 | 4.7 2.1 1.3 0.6 | 4.7 1.9 1.2 0.4 |
-//! | 20 x 2 | beta | above | 4.9 2.2 2.2 0.9 | 9.0 9.0 2.2 1.4 | 4.9 2.2 2.2 0.9 | 3.8 1.4 0.9 0.3 |
-//! | 20 x 2 | beta | below | 5.8 5.7 2.0 1.1 | 5.1 2.5 1.1 0.4 | 4.2 2.2 1.1 0.4 | 4.2 2.0 1.1 0.4 |
-//! | 20 x 2 | two kinds | above | 6.9 1.8 1.8 0.8 | 12.2 12.2 1.8 1.2 | 6.9 1.8 1.8 0.8 | 3.9 1.2 1.2 0.2 |
-//! | 20 x 2 | two kinds | below | 7.5 7.5 1.8 1.6 | 5.8 3.2 1.6 0.6 | 4.8 3.2 1.6 0.5 | 4.8 1.8 1.1 0.3 |
-//! | 20 x 5 | beta | above | 5.1 5.1 4.8 1.0 | 11.3 9.6 1.9 1.1 | 5.1 5.1 1.9 0.9 | 4.1 1.9 1.2 0.3 |
-//! | 20 x 5 | beta | below | 7.5 5.5 2.1 1.5 | 4.8 2.4 1.2 0.5 | 4.2 2.2 1.0 0.4 | 4.1 2.0 0.9 0.3 |
-//! | 20 x 5 | two kinds | above | 6.9 1.5 1.5 0.8 | 12.2 12.2 1.2 1.2 | 6.9 1.5 1.2 0.8 | 3.5 1.2 1.2 0.2 |
-//! | 20 x 5 | two kinds | below | 7.5 7.5 2.4 1.6 | 5.8 3.2 1.6 0.6 | 4.8 3.2 1.6 0.5 | 4.8 1.9 1.1 0.4 |
-//! | 25 x 4 | beta | above | 5.2 4.4 3.8 3.2 | 9.8 6.1 3.8 0.7 | 5.2 4.4 3.8 0.7 | 4.4 1.9 0.9 0.4 |
-//! | 25 x 4 | beta | below | 5.9 3.9 2.9 1.3 | 4.8 2.4 1.2 0.5 | 4.5 2.2 1.1 0.4 | 4.1 2.0 1.0 0.4 |
-//! | 25 x 4 | two kinds | above | 3.4 2.7 1.8 1.5 | 7.2 7.2 2.7 0.9 | 3.4 2.7 1.8 0.4 | 3.3 1.4 0.9 0.4 |
-//! | 25 x 4 | two kinds | below | 5.9 3.6 3.4 1.2 | 5.4 3.4 1.0 0.7 | 4.7 3.4 1.0 0.6 | 4.7 2.0 1.0 0.4 |
-//! | 30 x 3 | beta | above | 6.0 4.0 2.9 1.6 | 15.2 4.5 4.2 0.7 | 6.0 4.0 2.9 0.7 | 4.5 1.9 1.1 0.4 |
-//! | 30 x 3 | beta | below | 6.4 4.0 2.1 1.3 | 4.9 2.4 1.2 0.5 | 4.5 2.2 1.1 0.4 | 4.1 2.0 1.0 0.4 |
-//! | 30 x 3 | two kinds | above | 4.7 2.9 2.0 1.1 | 21.5 4.4 4.2 1.1 | 4.7 2.9 2.0 1.1 | 4.4 1.7 1.1 0.3 |
-//! | 30 x 3 | two kinds | below | 7.3 6.1 2.6 1.6 | 6.1 2.6 1.6 0.6 | 6.1 2.6 1.6 0.6 | 4.0 2.0 1.0 0.4 |
-//! | 100 x 2 | beta | above | 4.4 2.5 1.9 1.0 | 7.0 4.4 1.9 1.1 | 4.4 2.5 1.9 1.0 | 4.4 2.2 1.0 0.4 |
-//! | 100 x 2 | beta | below | 7.0 3.6 2.0 1.0 | 4.9 2.5 1.3 0.5 | 4.9 2.4 1.2 0.5 | 4.4 2.2 1.1 0.4 |
-//! | 100 x 2 | two kinds | above | 5.8 3.7 1.9 0.8 | 7.0 4.0 1.9 0.9 | 5.8 3.7 1.9 0.8 | 4.8 2.4 1.0 0.5 |
-//! | 100 x 2 | two kinds | below | 7.3 4.0 2.8 1.1 | 6.3 2.8 1.2 0.6 | 6.3 2.8 1.2 0.6 | 4.4 2.2 1.2 0.5 |
+//! | 10 x 5 | two kinds | below | 8.6 3.5 2.6 1.5 | 5.5 2.1 1.3 0.6 | 4.7 2.1 1.3 0.6 | 4.7 2.1 1.3 0.5 |
+//! | 20 x 2 | beta | above | 4.9 2.2 2.2 0.9 | 9.0 9.0 2.2 1.4 | 4.9 2.2 2.2 0.9 | 4.9 2.2 1.4 0.5 |
+//! | 20 x 2 | beta | below | 5.8 5.7 2.0 1.1 | 5.1 2.5 1.1 0.4 | 4.2 2.2 1.1 0.4 | 4.2 2.2 1.1 0.4 |
+//! | 20 x 2 | two kinds | above | 6.9 1.8 1.8 0.8 | 12.2 12.2 1.8 1.2 | 6.9 1.8 1.8 0.8 | 6.9 1.8 1.2 0.8 |
+//! | 20 x 2 | two kinds | below | 7.5 7.5 1.8 1.6 | 5.8 3.2 1.6 0.6 | 4.8 3.2 1.6 0.5 | 4.8 3.2 1.6 0.5 |
+//! | 20 x 5 | beta | above | 5.1 5.1 4.8 1.0 | 11.3 9.6 1.9 1.1 | 5.1 5.1 1.9 0.9 | 4.3 2.6 1.4 0.4 |
+//! | 20 x 5 | beta | below | 7.5 5.5 2.1 1.5 | 4.8 2.4 1.2 0.5 | 4.2 2.2 1.0 0.4 | 4.2 2.2 1.0 0.4 |
+//! | 20 x 5 | two kinds | above | 6.9 1.5 1.5 0.8 | 12.2 12.2 1.2 1.2 | 6.9 1.5 1.2 0.8 | 6.9 1.2 1.2 0.8 |
+//! | 20 x 5 | two kinds | below | 7.5 7.5 2.4 1.6 | 5.8 3.2 1.6 0.6 | 4.8 3.2 1.6 0.5 | 4.8 3.2 1.6 0.5 |
+//! | 25 x 4 | beta | above | 5.2 4.4 3.8 3.2 | 9.8 6.1 3.8 0.7 | 5.2 4.4 3.8 0.7 | 4.4 2.2 1.1 0.6 |
+//! | 25 x 4 | beta | below | 5.9 3.9 2.9 1.3 | 4.8 2.4 1.2 0.5 | 4.5 2.2 1.1 0.4 | 4.5 2.2 1.1 0.4 |
+//! | 25 x 4 | two kinds | above | 3.4 2.7 1.8 1.5 | 7.2 7.2 2.7 0.9 | 3.4 2.7 1.8 0.4 | 3.4 2.7 0.9 0.4 |
+//! | 25 x 4 | two kinds | below | 5.9 3.6 3.4 1.2 | 5.4 3.4 1.0 0.7 | 4.7 3.4 1.0 0.6 | 4.7 3.4 1.0 0.6 |
+//! | 30 x 3 | beta | above | 6.0 4.0 2.9 1.6 | 15.2 4.5 4.2 0.7 | 6.0 4.0 2.9 0.7 | 6.0 2.1 1.3 0.4 |
+//! | 30 x 3 | beta | below | 6.4 4.0 2.1 1.3 | 4.9 2.4 1.2 0.5 | 4.5 2.2 1.1 0.4 | 4.5 2.2 1.1 0.4 |
+//! | 30 x 3 | two kinds | above | 4.7 2.9 2.0 1.1 | 21.5 4.4 4.2 1.1 | 4.7 2.9 2.0 1.1 | 4.7 1.7 1.1 0.3 |
+//! | 30 x 3 | two kinds | below | 7.3 6.1 2.6 1.6 | 6.1 2.6 1.6 0.6 | 6.1 2.6 1.6 0.6 | 6.1 2.6 1.6 0.6 |
+//! | 100 x 2 | beta | above | 4.4 2.5 1.9 1.0 | 7.0 4.4 1.9 1.1 | 4.4 2.5 1.9 1.0 | 4.4 2.5 1.3 0.6 |
+//! | 100 x 2 | beta | below | 7.0 3.6 2.0 1.0 | 4.9 2.5 1.3 0.5 | 4.9 2.4 1.2 0.5 | 4.9 2.4 1.2 0.5 |
+//! | 100 x 2 | two kinds | above | 5.8 3.7 1.9 0.8 | 7.0 4.0 1.9 0.9 | 5.8 3.7 1.9 0.8 | 5.8 3.7 1.3 0.8 |
+//! | 100 x 2 | two kinds | below | 7.3 4.0 2.8 1.1 | 6.3 2.8 1.2 0.6 | 6.3 2.8 1.2 0.6 | 6.3 2.8 1.2 0.6 |
 //!
-//! So with all three a claim is wrong no more often than it may be under the model, at every level. Under the other law it is wrong in
-//! up to 5.7, 4.3, 2.0 and 0.6 % (five people of ten attempts, where a kind is easily not met), with more people at most
-//! 4.8, 2.4, 1.2 and 0.5 %. By the likelihood and at `n*`, without the count, it is wrong up to 3.1 times as often as it
-//! may be. What the third test costs is the claim that nothing but a limit supports: of 25 people with four
-//! attempts of whom three in a hundred fail, a rate above 0.9 is shown at 5 % in 71 % where attempts are independent (81 % by the
-//! likelihood), and at 1.25 % never, as all of them succeed in 7 % of such cohorts if each person always or never does. `evidence` divides
-//! its level, so several quantities need more people.
+//! So with all three a claim of the larger levels is wrong at most 1.2 times as often as it may be under the model, and so is one of the
+//! smaller (6.0, 2.6, 1.4 and 0.6 %; by both alone 6.0, 5.1, 3.8 and 1.0). Under the other law it is wrong in up to 6.9, 4.4, 2.7 and 0.8 %:
+//! of five people of ten attempts a kind is easily not met. At `n*` alone it is wrong up to 6.4 times as often.
+//! What the third test costs is the claim that nothing but a limit supports: of 25 people with four attempts of whom three in a hundred
+//! fail, a rate above 0.9 is shown at 5 % in 79 % where attempts are independent (81 % by the likelihood), and at 1.25 % never, as all
+//! of them succeed in 7 % of such cohorts if each person always or never does. `evidence` divides its level, so several quantities
+//! need more people.
 //!
 //! # Not monotone
 //! More subjects without a failure may make the lower limit fall (and in the mirror image, subjects without a success the

@@ -3,7 +3,7 @@
 //! # Definition
 //! The effective size of a count is that of its 95 % interval. A test at another level, or of a threshold far from the
 //! rate, asks how improbable the counts are under the *least favourable* correlation at the threshold: that is the
-//! likelihood of the beta-binomial model, profiled over the correlation, and the probability of as good a count at that
+//! likelihood of the beta-binomial model, profiled over the correlation, and the probability of a better count at that
 //! correlation ([`stats::BetaBinomial::threshold_tests`]). A claim needs all tests: its p-value is the greatest.
 //!
 //! # Why
