@@ -128,7 +128,8 @@ fn again(program: &str, keys: &str) -> Value {
     let text = support::read(&path("simulate.py"));
     std::fs::write(path("copy.py"), &text).expect("written");
     std::fs::write(path("other.py"), format!("{text}\n# Of somebody else.\n")).expect("written");
-    let ledger = support::read(&path("ledger.toml"))
+    // Each episode starts an interpreter.
+    let ledger = support::read(&path("ledger.toml")).replace("episodes = 60", "episodes = 20")
         + &format!(
             "[[evidence]]\nid = \"again\"\ntitle = \"Again\"\ntechnique = \"simulation\"\nconditions = \"floor\"\n\
          command = [\"python3\", \"{program}\", \"{{stimulus}}\", \"{{seed}}\", \"{{recording}}\"]\n\

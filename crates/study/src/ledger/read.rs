@@ -206,7 +206,8 @@ pub(super) enum IndependentText {
 #[derive(JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CalibratedText {
-    /// The parameter of a simulator that was set.
+    /// The parameter of a simulator that was set, or the constant of a model that was solved for: with it the model has the
+    /// counted rate, and is as uncertain as that.
     #[schemars(with = "Option<String>")]
     parameter: Option<Spanned<String>>,
     /// The constant of a model that was set.
