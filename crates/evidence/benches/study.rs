@@ -80,6 +80,7 @@ fn computed(subject: usize) -> Measure {
                 quantiles: draws,
                 robust: None,
                 ends: None,
+                out_of_reach: 0.0,
             }
         });
     Measure::Probability {

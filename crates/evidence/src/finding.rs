@@ -187,6 +187,16 @@ pub struct CredibleInterval {
     /// Both ends of the range, where the model leaves choices open.
     #[serde(default)]
     pub ends: Option<Box<SchedulerEnds>>,
+    /// At which share of the points the model has a counted rate with no value of a constant that was solved for: there it has the
+    /// nearest that it can.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub out_of_reach: f64,
+}
+
+/// Whether there is nothing to write.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives a reference")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// What was found.

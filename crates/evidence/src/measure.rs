@@ -326,6 +326,7 @@ impl CredibleInterval {
                 .collect(),
             robust: None,
             ends: None,
+            out_of_reach: 0.0,
         }
     }
 }

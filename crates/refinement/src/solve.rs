@@ -21,7 +21,7 @@
 //! value in its direction is taken. What is returned has been solved, and has the share to within [`CLOSE`] of it. A
 //! value at which the model is not valid, such as probabilities above 1, is never crossed; up to it is looked.
 
-use crate::model_change::{FARTHEST, Read};
+use crate::model_change::Read;
 use crate::number::Number;
 
 /// The relative error of the rate at which the search ends.
@@ -35,6 +35,13 @@ const LEAST: f64 = 1e-9;
 
 /// How often the step to a value that the model cannot have is halved: to a thousandth of the log-odds.
 const HALVINGS: usize = 12;
+
+/// The first step of going along a stretch, and by what the next one is longer.
+const FIRST_STEP: f64 = 0.25;
+const GROWTH: f64 = 1.5;
+
+/// The part of the first step by which a direction is tried.
+const PROBE: f64 = 0.02;
 
 /// Solutions of one search, at most.
 const MOST_STEPS: usize = 60;
@@ -104,29 +111,148 @@ impl Moved {
     }
 }
 
-/// The value of a constant with which the rate is `target`, within a relative error of 1e-4 of the smaller of it and the rest, the next
-/// one to where the constant is; where none is found, that of all that were tried with which the rate is nearest. `None` where
-/// the rate has no value there.
+/// The value of a constant with which the rate is `target`, within a relative error of 1e-4 of the smaller of it and the rest, on the
+/// stretch about where the constant is on which the rate rises or falls; where the rate does not reach it there, the value at
+/// the end of the stretch. And whether it reaches it. `None` where the rate has no value where the constant is.
+///
+/// From where the constant is it is moved in the direction that brings the rate nearer, in growing steps, until the rate crosses
+/// the target, turns, or has no value. Where it turns within two steps the turning point is sought, so that a crossing before
+/// it is not jumped over.
 #[must_use]
 pub fn nearest_crossing(
     rate: &mut dyn FnMut(f64) -> Option<f64>,
     constant: Moved,
     target: f64,
-) -> Option<f64> {
-    let mut nearest: Option<(f64, f64)> = None;
-    let from = (constant.value, constant.scale);
-    let is_rest = target > 0.5;
-    let mut watched = |value: f64| {
-        let found = rate(value)?;
-        let distance = (found - target).abs();
-        if nearest.is_none_or(|(least, _)| distance < least) {
-            nearest = Some((distance, value));
-        }
-        Some(if is_rest { 1.0 - found } else { found })
+) -> Option<(f64, bool)> {
+    if !(target > 0.0 && target < 1.0) {
+        return Some((constant.value, false));
+    }
+    let scale = constant.scale;
+    // Of the rarer outcome, whose relative error is the larger.
+    let (wanted, is_rest) = (target.min(1.0 - target), target > 0.5);
+    let mut at = |x: f64| {
+        let found = rate(scale.value(x))?;
+        let found = if is_rest { 1.0 - found } else { found };
+        Some(log_odds(found) - log_odds(wanted))
     };
-    let wanted = if is_rest { 1.0 - target } else { target };
-    let found = crossing(&mut watched, from, wanted, FARTHEST);
-    found.or(nearest.map(|(_, value)| value))
+    let origin = scale.place(constant.value);
+    let first = at(origin)?;
+    if is_close(first, wanted) {
+        return Some((constant.value, true));
+    }
+    // To the ends of the scale, or as far as units differ.
+    let last = |sign: f64| match scale {
+        Scale::Odds => sign * log_odds(1.0),
+        Scale::Log => origin + sign * FARTHEST_LOG,
+    };
+    let ends = [-1.0, 1.0].map(|sign| {
+        along(
+            &mut at,
+            (origin, first),
+            (sign * FIRST_STEP, last(sign)),
+            wanted,
+        )
+    });
+    let best = |one: Stretch, other: Stretch| match (one.is_reached, other.is_reached) {
+        (true, false) => one,
+        (false, true) => other,
+        (true, true) if (one.at.0 - origin).abs() <= (other.at.0 - origin).abs() => one,
+        (true, true) => other,
+        (false, false) if one.at.1.abs() <= other.at.1.abs() => one,
+        (false, false) => other,
+    };
+    let [below, above] = ends;
+    let found = best(below, above);
+    Some((scale.value(found.at.0), found.is_reached))
+}
+
+/// Where going in one direction ends.
+struct Stretch {
+    at: (f64, f64),
+    is_reached: bool,
+}
+
+/// Goes on as long as the rate comes nearer to what is wanted.
+fn along(
+    at: &mut dyn FnMut(f64) -> Option<f64>,
+    origin: (f64, f64),
+    (step, last): (f64, f64),
+    wanted: f64,
+) -> Stretch {
+    let ends_at = |at: (f64, f64)| Stretch {
+        at,
+        is_reached: false,
+    };
+    // Whether this direction leads nearer at all.
+    let near = at(origin.0 + PROBE * step);
+    let leads_away = |found: f64| found * origin.1 > 0.0 && found.abs() >= origin.1.abs();
+    if near.is_none_or(leads_away) {
+        return ends_at(origin);
+    }
+    let (mut before, mut here, mut step) = (origin, origin, step);
+    loop {
+        if here.0 == last {
+            return ends_at(here);
+        }
+        let next = here.0 + step;
+        let next = if step > 0.0 {
+            next.min(last)
+        } else {
+            next.max(last)
+        };
+        let (next, goes_on) = match at(next) {
+            Some(found) => ((next, found), true),
+            None => (last_valid(at, here, next), false),
+        };
+        if next.1 * here.1 <= 0.0 {
+            let reached = enclosed(at, here, next, wanted);
+            return reached.map_or(ends_at(here), |x| Stretch {
+                at: (x, 0.0),
+                is_reached: true,
+            });
+        }
+        if next.1.abs() >= here.1.abs() {
+            return turned(at, (before, here, next), wanted).unwrap_or(ends_at(here));
+        }
+        if !goes_on {
+            return ends_at(next);
+        }
+        (before, here) = (here, next);
+        step *= GROWTH;
+    }
+}
+
+/// The turning point between three places of which the middle one is the nearest to what is wanted, or a crossing before it; `None`
+/// where the middle one is the first, and the rate goes away from there.
+fn turned(
+    at: &mut dyn FnMut(f64) -> Option<f64>,
+    (before, here, next): ((f64, f64), (f64, f64), (f64, f64)),
+    wanted: f64,
+) -> Option<Stretch> {
+    let (mut low, mut middle, mut high) = (before, here, next);
+    for _ in 0..HALVINGS {
+        // The wider of both parts is divided.
+        let is_low = (middle.0 - low.0).abs() > (high.0 - middle.0).abs();
+        let other = if is_low { low } else { high };
+        let x = middle.0 + 0.4 * (other.0 - middle.0);
+        let found = (x, at(x)?);
+        if found.1 * here.1 <= 0.0 {
+            return enclosed(at, middle, found, wanted).map(|x| Stretch {
+                at: (x, 0.0),
+                is_reached: true,
+            });
+        }
+        match (found.1.abs() < middle.1.abs(), is_low) {
+            (true, true) => (middle, high) = (found, middle),
+            (true, false) => (low, middle) = (middle, found),
+            (false, true) => low = found,
+            (false, false) => high = found,
+        }
+    }
+    Some(Stretch {
+        at: middle,
+        is_reached: false,
+    })
 }
 
 /// The value of a constant with which the rate is `target`, at most `farthest` away from `start` in its scale.
@@ -320,6 +446,48 @@ mod tests {
             other_crossings(&mut rises, (0.3, Scale::Odds), 0.09, 12.0),
             Vec::<f64>::new()
         );
+    }
+
+    /// Where a rate turns, what is on this side of it is found, however near to the turning point, and what it does not reach is there.
+    #[test]
+    fn a_rate_that_turns_is_followed_to_where_it_turns() {
+        let mut turns = |c: f64| Some(2.0 * c * (1.0 - c));
+        let from = |value| Moved {
+            value,
+            scale: Scale::Odds,
+        };
+        for target in [0.1, 0.3, 0.45, 0.49, 0.4999] {
+            let exact = 0.5 - (0.25 - target / 2.0_f64).sqrt();
+            let (found, is_reached) =
+                nearest_crossing(&mut turns, from(0.342), target).expect("a value");
+            assert!(
+                is_reached && (found - exact).abs() < 3e-3,
+                "{target}: {found} {exact}"
+            );
+            let (found, is_reached) =
+                nearest_crossing(&mut turns, from(0.658), target).expect("a value");
+            assert!(
+                is_reached && (found - 1.0 + exact).abs() < 3e-3,
+                "{target}: {found} {exact}"
+            );
+        }
+        let (found, is_reached) = nearest_crossing(&mut turns, from(0.342), 0.6).expect("a value");
+        assert!(!is_reached && (found - 0.5).abs() < 0.02, "{found}");
+        // The end of what is valid, and the end of the scale.
+        let mut partial = |c: f64| (c < 0.4).then_some(c);
+        let (found, is_reached) = nearest_crossing(&mut partial, from(0.1), 0.6).expect("a value");
+        assert!(!is_reached && (found - 0.4).abs() < 1e-3, "{found}");
+        let mut bounded = |c: f64| Some(0.1 + 0.2 * c);
+        let (found, is_reached) = nearest_crossing(&mut bounded, from(0.5), 0.5).expect("a value");
+        assert!(!is_reached && found > 0.999, "{found}");
+        // From one end of the scale to the other.
+        let mut share = |c: f64| Some(0.8 * c);
+        let (found, is_reached) =
+            nearest_crossing(&mut share, from(0.9999), 0.008).expect("a value");
+        assert!(is_reached && (found - 0.01).abs() < 1e-5, "{found}");
+        let mut rises = |c: f64| Some(c * c);
+        let (found, is_reached) = nearest_crossing(&mut rises, from(0.3), 0.81).expect("a value");
+        assert!(is_reached && (found - 0.9).abs() < 1e-4, "{found}");
     }
 
     #[test]

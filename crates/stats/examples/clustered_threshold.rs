@@ -152,7 +152,55 @@ fn larger(one: &Sizes, other: &Sizes) -> Sizes {
     all
 }
 
+/// Even numbers between 0 and 1, by S. Vigna's SplitMix64.
+struct Uniform(u64);
+
+impl Uniform {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Of people with these numbers of trials, of whom a share succeeds half of the time and the others always: how often "below" is
+/// claimed of their mean, in percent by level, of so many draws.
+fn of_unequal(trials: &[u64], share: f64, draws: u64) -> [f64; 4] {
+    let mean = 1.0 - 0.5 * share;
+    let mut uniform = Uniform(1);
+    let mut found = [0_u64; 4];
+    for _ in 0..draws {
+        let of_one = |&trials: &u64, uniform: &mut Uniform| {
+            let fails = uniform.next() < share;
+            let failures = (0..trials).filter(|_| fails && uniform.next() < 0.5);
+            Sample {
+                successes: trials - failures.count() as u64,
+                trials,
+            }
+        };
+        let people: Vec<Sample> = trials.iter().map(|it| of_one(it, &mut uniform)).collect();
+        let rate = clustered_rate(&people, Confidence::P95).expect("people");
+        let fit = BetaBinomial::fit(&people).expect("people");
+        let doubt = clustered_test_below(rate.worth, mean).max(fit.threshold_tests(mean).1);
+        for (count, level) in found.iter_mut().zip(LEVELS) {
+            *count += u64::from(doubt <= level);
+        }
+    }
+    found.map(|it| 100.0 * it as f64 / draws as f64)
+}
+
 fn main() {
+    let few_with_many = [[3; 12].as_slice(), &[40; 3]].concat();
+    let all: Vec<u64> = (0..20).map(|it| 1 + it % 19).collect();
+    for (name, trials) in [("12 x 3 and 3 x 40", few_with_many), ("20 x 1 to 19", all)] {
+        let found = of_unequal(&trials, 0.8, 20_000).map(|it| format!("{it:.1}"));
+        println!(
+            "unequal, four of five fail half of the time, below: {name}: {}",
+            found.join(" ")
+        );
+    }
     println!(
         "| clusters x trials | law | claim | at `n*` | by the likelihood | by both | and a better count |"
     );

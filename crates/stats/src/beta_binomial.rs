@@ -120,7 +120,7 @@ impl BetaBinomial {
     /// P-values of the mean being at most the threshold (a small value is evidence that it is above) and at least the
     /// threshold (evidence that it is below): the greater of those by the ratio of likelihoods, of which the one is 2.5 % at
     /// an end of the 95 % [`interval`](Self::interval), and of the probabilities of a better count at the threshold, with the
-    /// correlation that is most likely there and half of the probability of this count.
+    /// correlation that is most likely there and half of the probability of this count, where that has few enough outcomes to be summed.
     #[must_use]
     pub fn threshold_tests(&self, threshold: f64) -> (f64, f64) {
         // Certainty is excluded by one outcome to the contrary.
@@ -129,7 +129,8 @@ impl BetaBinomial {
         }
         let (correlation, likelihood) = self.model.profile(threshold);
         let (above, below) = self.by_ratio(self.deviate_of(threshold, likelihood));
-        let (higher, lower) = tails(&self.model.counts, threshold, correlation);
+        let (higher, lower) =
+            tails(&self.model.counts, threshold, correlation).unwrap_or((0.0, 0.0));
         (above.max(higher), below.max(lower))
     }
 

@@ -9,8 +9,10 @@
 //! P(T > t) + P(T = t)/2                                                                 evidence that it is below
 //! ```
 //!
-//! `w_i` weighs a cluster by what a trial of it tells. `c` makes all trials at most [`CELLS`] cells, and is 1 for clusters of one
-//! size that are no more; rounding coarsens the count, and its distribution is that of the count as it is rounded.
+//! `w_i` weighs a cluster by what a trial of it tells. Each trial has a cell where clusters are of one size, of few trials or few
+//! themselves; else all trials have at least [`CELLS`] cells, and each cluster as many as it has trials, or [`CELLS_OF_ONE`]. Rounding coarsens the count, and its distribution is
+//! that of the count as it is rounded. Of the outcomes the one is counted that has fewer cells. Where it has more than [`MOST_CELLS`]
+//! nothing is asked: hundreds of clusters have it, and the ratio of likelihoods is near its limit.
 //!
 //! # Why
 //! The ratio of likelihoods ([`crate::BetaBinomial::likelihood_tests`]) has the distribution of its limit for many clusters. In the
@@ -35,8 +37,12 @@
 //! None by itself; beside the other tests as measured in [`mod@crate::clustered`]. Cost: below a millisecond for hundreds of clusters,
 //! some milliseconds for a rate in the middle of tens of thousands of trials.
 
-/// Cells of the weighted count of all failures.
+/// Cells of all trials of clusters that differ in size, and of each of them, at least.
 const CELLS: f64 = 2000.0;
+const CELLS_OF_ONE: f64 = 20.0;
+
+/// The most cells that a count may have.
+const MOST_CELLS: f64 = 800.0;
 
 /// A cluster of more trials counts as one of so many with the same share of failures, and as close to the same variance as
 /// one of so many can have: never less.
@@ -45,18 +51,72 @@ const MOST_TRIALS: f64 = 65_536.0;
 /// Clusters alike: successes, failures, how many.
 pub(crate) type Alike = (f64, f64, f64);
 
-/// The probabilities of a higher and of a lower count at this mean rate and correlation, each with half of that of this one.
-pub(crate) fn tails(clusters: &[Alike], mean: f64, correlation: f64) -> (f64, f64) {
-    let failures = Side::new(clusters, 1.0 - mean, correlation);
-    if 2.0 * failures.count <= failures.all {
-        return failures.tails();
+/// The probabilities of a higher and of a lower count at this mean rate and correlation, each with half of that of this one; `None`
+/// where it has too many cells.
+pub(crate) fn tails(clusters: &[Alike], mean: f64, correlation: f64) -> Option<(f64, f64)> {
+    let cells = Cells::new(clusters, correlation);
+    let (failures, all) = cells.count(clusters);
+    if failures.min(all - failures) > MOST_CELLS {
+        return None;
+    }
+    if 2.0 * failures <= all {
+        return Some(Side::new(clusters, &cells, 1.0 - mean).tails());
     }
     let mirrored: Vec<Alike> = clusters
         .iter()
         .map(|&(s, f, times)| (f, s, times))
         .collect();
-    let (few, many) = Side::new(&mirrored, mean, correlation).tails();
-    (many, few)
+    let (few, many) = Side::new(&mirrored, &cells, mean).tails();
+    Some((many, few))
+}
+
+/// How trials are weighed and counted in cells.
+struct Cells {
+    correlation: f64,
+    /// Cells of a trial of weight 1; `None` where each trial has one.
+    scale: Option<f64>,
+}
+
+impl Cells {
+    fn new(clusters: &[Alike], correlation: f64) -> Self {
+        let mut cells = Self {
+            correlation,
+            scale: None,
+        };
+        let sizes = by_size(clusters);
+        let is_fine =
+            |&(trials, times): &(f64, f64)| trials <= CELLS_OF_ONE || trials * times <= CELLS;
+        if sizes.len() > 1 || !sizes.iter().all(is_fine) {
+            let of_one = |trials: f64| cells.weight(trials) * trials;
+            let all: f64 = clusters.iter().map(|it| it.2 * of_one(it.0 + it.1)).sum();
+            let fine = |it: &Alike| (it.0 + it.1).min(CELLS_OF_ONE) / of_one(it.0 + it.1);
+            let finest = clusters.iter().map(fine).fold(CELLS / all, f64::max);
+            cells.scale = Some(finest);
+        }
+        cells
+    }
+
+    /// What a trial of a cluster of so many tells.
+    fn weight(&self, trials: f64) -> f64 {
+        1.0 / (1.0 + (trials - 1.0) * self.correlation)
+    }
+
+    /// The cell of so many outcomes of a cluster of so many trials.
+    fn place(&self, trials: f64, outcomes: f64) -> f64 {
+        match self.scale {
+            None => outcomes,
+            Some(scale) => (outcomes * scale * self.weight(trials)).round(),
+        }
+    }
+
+    /// The cells of all failures, and of all trials.
+    fn count(&self, clusters: &[Alike]) -> (f64, f64) {
+        let failures = clusters.iter();
+        let failures = failures.map(|&(s, f, times)| times * self.place(s + f, f));
+        let all = clusters.iter();
+        let all = all.map(|&(s, f, times)| times * self.place(s + f, s + f));
+        (failures.sum(), all.sum())
+    }
 }
 
 /// The weighted count of one outcome, and what it is made of.
@@ -64,47 +124,24 @@ struct Side {
     /// For each size of a cluster the probabilities of its cells, and how many have that size.
     sizes: Vec<(Vec<f64>, u64)>,
     count: f64,
-    all: f64,
 }
 
 impl Side {
     /// Of the second outcome, which has this rate.
-    fn new(clusters: &[Alike], rate: f64, correlation: f64) -> Self {
-        let weight = |trials: f64| 1.0 / (1.0 + (trials - 1.0) * correlation);
-        let of_one = |&(s, f, _): &Alike| weight(s + f) * (s + f);
-        let all: f64 = clusters.iter().map(|it| it.2 * of_one(it)).sum();
-        let sizes = by_size(clusters);
-        let trials: f64 = sizes.iter().map(|(trials, times)| trials * times).sum();
-        let is_whole = sizes.len() == 1 && trials <= CELLS;
-        // A weight counts for one trial in a cell of its own, or for as much of all cells as it has of all weight.
-        let cells = |trials: f64| match is_whole {
-            true => 1.0,
-            false => weight(trials) * CELLS / all,
-        };
-        let place = |trials: f64, outcomes: f64| (outcomes * cells(trials)).round();
-        let count = clusters
-            .iter()
-            .map(|&(s, f, times)| times * place(s + f, f))
-            .sum();
-        let all = sizes
-            .iter()
-            .map(|&(trials, times)| times * place(trials, trials))
-            .sum();
+    fn new(clusters: &[Alike], cells: &Cells, rate: f64) -> Self {
+        let (count, _) = cells.count(clusters);
         let most = count as usize + 1;
-        let law = |&(trials, times): &(f64, f64)| {
-            let mut of_cells = vec![0.0; (place(trials, trials) as usize + 1).min(most)];
-            for (outcomes, probability) in beta_binomial(trials, rate, correlation) {
-                if let Some(cell) = of_cells.get_mut(place(trials, outcomes) as usize) {
+        let law = |(trials, times): (f64, f64)| {
+            let mut of_cells = vec![0.0; (cells.place(trials, trials) as usize + 1).min(most)];
+            for (outcomes, probability) in beta_binomial(trials, rate, cells.correlation) {
+                if let Some(cell) = of_cells.get_mut(cells.place(trials, outcomes) as usize) {
                     *cell += probability;
                 }
             }
             (of_cells, times as u64)
         };
-        Self {
-            sizes: sizes.iter().map(law).collect(),
-            count,
-            all,
-        }
+        let sizes = by_size(clusters).into_iter().map(law).collect();
+        Self { sizes, count }
     }
 
     /// The probabilities of a lower and of a higher count, each with half of that of this one.
@@ -222,7 +259,7 @@ mod tests {
 
     #[test]
     fn independent_trials_have_the_binomial_tails() {
-        let (above, below) = tails(&[(9.0, 1.0, 3.0), (10.0, 0.0, 2.0)], 0.8, 0.0);
+        let (above, below) = tails(&[(9.0, 1.0, 3.0), (10.0, 0.0, 2.0)], 0.8, 0.0).expect("few");
         let higher: f64 = (48..=50).map(|k| binomial_pmf(k, 50, 0.8)).sum();
         let half = 0.5 * binomial_pmf(47, 50, 0.8);
         close(above, higher + half, 1e-12);
@@ -261,6 +298,7 @@ mod tests {
             .iter()
             .map(|(s, f, _)| weight(s + f) * (s + f))
             .sum();
+        // The cluster of nine has a cell for each trial with fewer than all have at least.
         let place = |n: f64, f: f64| (f * weight(n) * CELLS / all).round();
         let count: f64 = clusters.iter().map(|(s, f, _)| place(s + f, *f)).sum();
         let (mut above, mut below) = (0.0, 0.0);
@@ -274,7 +312,7 @@ mod tests {
                 }
             }
         }
-        let found = tails(&clusters, mean, correlation);
+        let found = tails(&clusters, mean, correlation).expect("few cells");
         close(found.0, above, 1e-9);
         close(found.1, below, 1e-9);
     }
@@ -285,8 +323,9 @@ mod tests {
         let clusters = [(20.0, 1.0, 3.0), (14.0, 9.0, 2.0), (4.0, 0.0, 9.0)];
         let mirrored = clusters.map(|(s, f, times)| (f, s, times));
         for (mean, correlation) in [(0.9, 0.0), (0.7, 0.1), (0.5, 0.4), (0.8, 0.9)] {
-            let (above, below) = tails(&clusters, mean, correlation);
-            let (of_failures_above, of_failures_below) = tails(&mirrored, 1.0 - mean, correlation);
+            let (above, below) = tails(&clusters, mean, correlation).expect("few");
+            let (of_failures_above, of_failures_below) =
+                tails(&mirrored, 1.0 - mean, correlation).expect("few");
             close(of_failures_below, above, 1e-9);
             close(of_failures_above, below, 1e-9);
         }
@@ -298,12 +337,30 @@ mod tests {
         let people = |trials: f64| {
             [0.86, 0.9, 0.93, 0.97].map(|rate| (rate * trials, (1.0 - rate) * trials, 1.0))
         };
-        let of_many = tails(&people(1e8), 0.88, 0.02);
-        let of_few = tails(&people(50_000.0), 0.88, 0.02);
+        let of_many = tails(&people(1e8), 0.88, 0.02).expect("few");
+        let of_few = tails(&people(50_000.0), 0.88, 0.02).expect("few");
         close(of_many.0, of_few.0, 0.01);
         assert!(of_many.0 > 0.01 && of_many.0 < 0.2, "{of_many:?}");
         // As independent trials they count as fewer than they are, not as more.
-        let (above, _) = tails(&[(9e7, 1e7, 1.0)], 0.899, 0.0);
+        let (above, _) = tails(&[(9e7, 1e7, 1.0)], 0.899, 0.0).expect("few");
         assert!(above < 0.3 && above > 0.1, "{above}");
+    }
+
+    /// However many clusters there are, a failure has its cell; of a count that is too long to be summed nothing is said.
+    #[test]
+    fn of_thousands_of_clusters_no_failure_is_rounded_away() {
+        let pairs = [(2.0, 0.0, 4000.0), (1.0, 1.0, 64.0), (0.0, 2.0, 36.0)];
+        let (above, below) = tails(&pairs, 0.97, 0.2).expect("136 failures");
+        assert!(above < 1e-8 && below > 0.999_999, "{above} {below}");
+        let uneven = [
+            (1.0, 0.0, 2950.0),
+            (2.0, 0.0, 2950.0),
+            (0.0, 1.0, 50.0),
+            (1.0, 1.0, 50.0),
+        ];
+        let (above, _) = tails(&uneven, 0.95, 0.0).expect("a hundred failures");
+        assert!(above < 1e-20, "{above}");
+        let half = [(2.0, 0.0, 2000.0), (0.0, 2.0, 2000.0)];
+        assert_eq!(tails(&half, 0.5, 0.9), None);
     }
 }

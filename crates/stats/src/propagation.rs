@@ -150,6 +150,12 @@ impl SharesDesign {
         &self.rows
     }
 
+    /// How many of the rows, the first ones, are independent draws of the inputs.
+    #[must_use]
+    pub fn draws(&self) -> usize {
+        self.draws
+    }
+
     /// Distribution and shares, given the function's value at each of the rows.
     ///
     /// # Errors

@@ -72,5 +72,6 @@ mod simulation;
 mod snippets;
 mod solved_for;
 mod support;
+mod triggered_cohorts;
 mod verdict_steps;
 mod what_if;

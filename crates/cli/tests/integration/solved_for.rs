@@ -24,7 +24,11 @@ const COUNTS: &str = "requirement,covered,passed,failed\nwhole,100,70,30\nplaced
 
 /// The study, whose ledger says where the numbers of its model are from.
 fn study(calibrated: &str, model: &str) -> Planted {
-    let study = Planted::of_model_and_counts([REQUIREMENTS, VOCABULARY, model, COUNTS]);
+    of_files([REQUIREMENTS, VOCABULARY, model, COUNTS], calibrated)
+}
+
+fn of_files(files: [&str; 4], calibrated: &str) -> Planted {
+    let study = Planted::of_model_and_counts(files);
     let entries: Vec<&str> = LEDGER.split("[[evidence]]").collect();
     // The trials first: what is set to counts comes after them.
     let ledger = format!(
@@ -87,7 +91,61 @@ fn a_number_that_does_not_give_the_rate_is_not_carried_and_the_verdict_says_so()
     let said = support::program::corroborate(study.path(), &["run", ".", "--quiet"]);
     let words = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        words.contains("In M `pBreaks` from the counts of T was set or solved for"),
+        words.contains("In M `pBreaks` from the counts of T was set or solved for: how uncertain"),
         "{words}"
     );
+}
+
+/// What is said of the study, in one line.
+fn said(study: &Planted) -> String {
+    let said = support::program::corroborate(study.path(), &["run", ".", "--quiet"]);
+    said.out.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A quarter of the cups is held without the grip, half of them by it: with an even chance the model has half, which is no share of it.
+/// The ends are those of twice the beta distribution of 50 of 100 less a quarter.
+#[test]
+fn a_constant_that_happens_to_be_the_rate_is_solved_for_all_the_same() {
+    let model = "dtmc\nconst double pBreaks = 0.5;\nmodule cup\n  step : [0..6] init 0;\n  \
+        [] step=0 -> 0.25 : (step'=3) + 0.5 : (step'=1) + 0.25 : (step'=6);\n  \
+        [] step=1 -> pBreaks : (step'=3) + 1-pBreaks : (step'=6);\n  [] step>=3 -> true;\nendmodule\n";
+    let requirements = REQUIREMENTS.replace("F \"begun\"", "F \"arrived\" || F \"begun\"");
+    let counts = "requirement,covered,passed,failed\nwhole,100,50,50\n";
+    let study = of_files([&requirements, VOCABULARY, model, counts], BREAKS);
+    is_near(&credible(&study, "begins"), [0.307, 0.693], 0.006);
+}
+
+/// Of two constants that one count was to give neither is known.
+#[test]
+fn one_count_does_not_tell_two_constants() {
+    let works = WORKS.replace("placed", "whole");
+    let counts = COUNTS.replace("placed,100,40,60\n", "");
+    let study = of_files(
+        [REQUIREMENTS, VOCABULARY, MODEL, &counts],
+        &format!("{BREAKS}, {works}"),
+    );
+    assert_eq!(credible(&study, "begins"), Value::Null);
+    let words = said(&study);
+    assert!(
+        words.contains("were set or solved for: how uncertain"),
+        "{words}"
+    );
+}
+
+/// The model breaks more than a quarter of the cups, whatever the number is: what the counts leave beyond that is said. The share is
+/// that of the beta distribution of 70 of 100 above 0.9^3, by scipy.
+#[test]
+fn what_a_model_cannot_have_is_said() {
+    let model = MODEL
+        .replace(
+            "1-pBreaks : (step'=step+1) + pBreaks : (step'=6)",
+            "0.9*(1-pBreaks) : (step'=step+1) + 1-0.9*(1-pBreaks) : (step'=6)",
+        )
+        .replace("0.1120960", "0.0134446");
+    let study = of_files([REQUIREMENTS, VOCABULARY, &model, COUNTS], BREAKS);
+    let found = credible(&study, "whole");
+    let share = found["out_of_reach"].as_f64().expect("a share");
+    assert!((share - 0.2540).abs() < 0.005, "{share}");
+    let words = said(&study);
+    assert!(words.contains("is beyond what M can have"), "{words}");
 }

@@ -22,7 +22,6 @@ pub(crate) fn counted_constants(
         return Ok(counted);
     }
     for calibrated in &entry.calibrated {
-        let calibrated = &as_counted(calibrated, before, value_of);
         let calibration = &calibrated.calibration;
         let is_solved = calibrated.constant.is_none()
             && entry.work.model().is_some()
@@ -73,30 +72,6 @@ pub(crate) fn counted_constants(
         });
     }
     Ok(counted)
-}
-
-/// A number that was solved for (`parameter`) and is a constant with the very rate that was counted is as uncertain as that: it is
-/// taken for one that was set to the counts.
-fn as_counted(
-    calibrated: &Calibrated,
-    before: &[Piece],
-    value_of: &dyn Fn(&str) -> Option<f64>,
-) -> Calibrated {
-    let calibration = &calibrated.calibration;
-    let source = before.iter().find(|p| p.evidence.id == calibration.from);
-    let finding = source.and_then(|piece| piece.evidence.finding(&calibration.subject));
-    let rate = finding.and_then(|finding| finding.measure.estimate());
-    let mut taken = calibrated.clone();
-    if let (None, Some(rate), Some(value)) =
-        (&calibrated.constant, rate, value_of(&calibration.parameter))
-    {
-        let [is_rate, is_rest] = [rate, 1.0 - rate].map(|it| is_rounding(value, it));
-        if is_rate || is_rest {
-            taken.constant = Some(calibration.parameter.clone());
-            taken.is_complement = !is_rate;
-        }
-    }
-    taken
 }
 
 /// Holds each constant against the counts that the ledger says it was set to: a model that computes with another number

@@ -106,7 +106,7 @@ impl Sources {
 }
 
 impl CountedConstant {
-    fn is_of_the_source_of(&self, other: &Self) -> bool {
+    pub(crate) fn is_of_the_source_of(&self, other: &Self) -> bool {
         self.from == other.from && self.subject == other.subject
     }
 }

@@ -23,6 +23,7 @@ mod placed;
 pub mod renamed;
 pub mod repeated;
 mod tests_of_cohort;
+mod triggering;
 
 pub use by_subject::SubjectCount;
 
@@ -40,6 +41,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use study::{Binding, Study, SubjectForm, TableFiles};
 use trace::Table;
+use triggering::Triggering;
 
 /// More trials than any experiment has, and few enough for exact sums.
 const MOST_TRIALS: u64 = 1_000_000_000_000;
@@ -144,11 +146,12 @@ impl Tables {
             .transpose()?;
         let mut findings = Vec::new();
         for form in &study.forms.subjects {
+            let triggering = self.triggering(study, form)?;
             let finding = Finding {
                 subject: form.subject.clone(),
-                measure: self.measure(study, form, alike.as_mut())?,
-                denominator: self.denominator(form),
-                trigger: self.trigger(study, &form.subject)?,
+                measure: self.measure((study, form), triggering.as_ref(), alike.as_mut())?,
+                denominator: self.denominator(form, triggering.as_ref()),
+                trigger: self.trigger(study, &form.subject, triggering.as_ref())?,
                 undecided: self.row(&form.subject).map_or(0, |row| row.undecided),
                 left_out: 0,
                 completions: None,
@@ -240,11 +243,22 @@ impl Tables {
 
     fn measure(
         &self,
-        study: &Study,
-        form: &SubjectForm,
-        alike: Option<&mut Alike>,
+        (study, form): (&Study, &SubjectForm),
+        triggering: Option<&Triggering>,
+        mut alike: Option<&mut Alike>,
     ) -> Result<Measure, Problem> {
         let level = confidence(study.about.confidence)?;
+        if let (Some(triggering), Some(alike)) = (triggering, alike.as_deref_mut()) {
+            return match triggering {
+                _ if triggering.trials() == 0 => Ok(not_covered("No trial triggered it.")),
+                Triggering::BySubject(found) => alike.by_subject(form, found, level),
+                Triggering::Total(trials) => {
+                    let found = self.cohort_counts(study, form)?.unwrap_or_default();
+                    let count = found.iter().map(|it| it.successes).sum();
+                    alike.occurrences(form, &found, (count, *trials), level)
+                }
+            };
+        }
         let by_subject = self.cohort_counts(study, form)?;
         let (total, uncovered) = match &form.subject {
             Subject::Requirement(id) => (
@@ -311,8 +325,14 @@ impl Tables {
     /// Attempts are taken to be trials of what is counted, unless the tables say that fewer of them were. Where attempts are
     /// not told, other rows of the table tell of more than a row was covered in. A failure mode with an opportunity of its own
     /// may have none in an attempt.
-    fn denominator(&self, form: &SubjectForm) -> Denominator {
+    fn denominator(&self, form: &SubjectForm, triggering: Option<&Triggering>) -> Denominator {
         let subject = &form.subject;
+        if let Some(triggering) = triggering {
+            return match Some(triggering.trials()) == self.attempts() {
+                true => Denominator::EveryRun,
+                false => Denominator::Triggered,
+            };
+        }
         // Runs of different tests are not the same runs.
         if let Some(counted) = self.of_junit(subject) {
             return match counted.skipped {
@@ -335,9 +355,15 @@ impl Tables {
     }
 
     /// The share of attempts that trigger the subject, if the tables say it.
-    fn trigger(&self, study: &Study, subject: &Subject) -> Result<Option<Box<Measure>>, Problem> {
+    fn trigger(
+        &self,
+        study: &Study,
+        subject: &Subject,
+        triggering: Option<&Triggering>,
+    ) -> Result<Option<Box<Measure>>, Problem> {
         let level = confidence(study.about.confidence)?;
-        match (self.covered(subject), self.attempts()) {
+        let covered = triggering.map(Triggering::trials);
+        match (covered.or(self.covered(subject)), self.attempts()) {
             // A trial may have several opportunities, which are then no share of the attempts.
             (Some(covered), Some(attempts)) if covered <= attempts => {
                 Ok(Some(Box::new(counts(covered, attempts, None, level)?)))

@@ -360,7 +360,8 @@ impl<'a> Compiled<'a> {
         self.add_worst_cases(id, &space, &mut findings, &cancel)?;
         let (held, varied): (Vec<_>, Vec<_>) = counted.iter().cloned().partition(|c| c.held);
         if !varied.is_empty() {
-            self.carry_uncertainty(id, &varied, &mut findings, interrupt, begin)?;
+            let varied = (&varied[..], space.num_states());
+            self.carry_uncertainty(id, varied, &mut findings, interrupt, begin)?;
         }
         let influences = self.influences(&held, &cancel)?;
         let cost = Cost {

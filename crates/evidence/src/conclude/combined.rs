@@ -41,7 +41,7 @@ use super::{
 };
 use crate::compare::words::{list, p_value, percent};
 use crate::compare::{Belief, Lineage, Study};
-use crate::{Comparison, Direction, Evidence, Interval, Outcome, Requirement, Subject};
+use crate::{Comparison, Direction, Evidence, Interval, Measure, Outcome, Requirement, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stats::{Confidence, EffectiveSample, StatsError};
@@ -372,7 +372,12 @@ fn alone(only: &Chosen<'_>, confidence: Confidence, result: &mut Combined) {
     }
     result.model = Some(Model::PowerPrior);
     result.rate = Some(sample.successes / sample.trials);
-    result.interval = Some(piece.counted.unwrap_or_else(|| {
+    // The one that is shown with it, so that no two of one piece differ.
+    let shown = match &piece.finding.measure {
+        Measure::Probability { credible, .. } => credible.as_ref().map(|it| it.interval),
+        _ => piece.counted,
+    };
+    result.interval = Some(shown.unwrap_or_else(|| {
         let own = piece.belief.interval(confidence);
         Interval {
             low: own.low,

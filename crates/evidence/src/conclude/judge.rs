@@ -50,6 +50,8 @@ pub(crate) struct Level {
     models: ClaimLevels,
     /// How many quantities share the level of trials of the system.
     pub quantities: usize,
+    /// How many would, if one more were counted.
+    pub with_one_more: usize,
 }
 
 impl<'a> Asked<'a> {
@@ -343,6 +345,10 @@ pub(super) fn levels(study: &Study<'_>, asked: &[Asked<'_>]) -> Vec<Level> {
         system,
         models,
         quantities,
+        with_one_more: match family {
+            ErrorFamily::Study => quantities + 1,
+            ErrorFamily::Requirement => 1,
+        },
     })
     .collect()
 }

@@ -98,6 +98,7 @@ fn alike_as_elsewhere(
         sample,
         effective,
         clusters: Some(clusters),
+        before,
         ..
     } = belief
     else {
@@ -110,9 +111,14 @@ fn alike_as_elsewhere(
         return String::new();
     };
     let (p_below, p_at_least) = doubts_of_counts(one_each, true, threshold.value);
+    // As at a first look, where more looks may follow.
+    let at_looks = |p: f64| match before {
+        Some(_) => (p / stats::SHARE_OF_A_LOOK).min(1.0),
+        None => p,
+    };
     let (p_not_met, p_met) = match threshold.direction {
-        Direction::AtLeast => (p_below, p_at_least),
-        Direction::AtMost => (p_at_least, p_below),
+        Direction::AtLeast => (at_looks(p_below), at_looks(p_at_least)),
+        Direction::AtMost => (at_looks(p_at_least), at_looks(p_below)),
     };
     match standing {
         Standing::Supports if p_not_met > levels.met => words::alike_as_elsewhere(p_not_met),

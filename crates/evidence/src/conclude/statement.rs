@@ -6,10 +6,12 @@ use super::judge::{Asked, Level};
 use super::ladder::{Judged, is_denial, lean_apart, left_open};
 use super::words;
 use crate::compare::Belief;
-use crate::compare::words::{list, points};
+use crate::compare::words::{list, percent, points};
 use crate::{
-    Direction, Evidence, Excluded, ExclusionReason, Measure, Outcome, Standing, Step, Verdict,
+    Calibration, Direction, Evidence, Excluded, ExclusionReason, Measure, Outcome, Standing, Step,
+    Verdict,
 };
+use std::collections::BTreeSet;
 
 /// What a statement is made from.
 pub(super) struct Statement<'s> {
@@ -22,6 +24,9 @@ pub(super) struct Statement<'s> {
     /// Whether trials may be added and judged again.
     pub is_looked_at_again: bool,
 }
+
+/// More of the points of its constants than this lie beyond what a model can have before it is said: half of what a limit leaves.
+const MOST_OUT_OF_REACH: f64 = 0.0125;
 
 impl Statement<'_> {
     /// All sentences.
@@ -104,34 +109,18 @@ impl Statement<'_> {
             .collect()
     }
 
-    /// Models with a number that was set to counts, or solved for so that they come out, whose uncertainty is in none of their
-    /// figures.
+    /// What the figures of models and simulators rest on that were set to counts, or solved for so that they come out.
     fn set_to_counts(&self) -> Vec<String> {
-        let sentence = |it: &Evidence| {
-            let is_in_a_figure = |parameter: &str| {
-                let spreads = it.findings.iter().filter_map(|it| match &it.measure {
-                    Measure::Probability { credible, .. } => Some(&credible.as_ref()?.spread),
-                    _ => None,
-                });
-                let mut sources = spreads.flatten().flat_map(|it| it.constant.split(", "));
-                sources.any(|name| name == parameter)
-            };
-            let left = it.calibrated.iter();
-            let left: Vec<String> = left
-                .filter(|one| !is_in_a_figure(&one.parameter))
-                .map(|one| format!("`{}` from the counts of {}", one.parameter, one.from))
-                .collect();
-            (!left.is_empty()).then(|| {
-                format!(
-                    "In {} {} was set or solved for: how uncertain these counts leave it is not in its figure.",
-                    it.id,
-                    list(&left)
-                )
-            })
+        // Only of what has a figure beside the verdict.
+        let has_figure = |it: &&Evidence| {
+            let mut judged = self.judged.iter();
+            judged.any(|one| one.standing.evidence == it.id)
         };
         let pieces = self.asked.pieces.iter().map(|it| it.evidence);
-        let models = pieces.filter(|it| it.technique.is_of_model());
-        models.filter_map(sentence).collect()
+        let pieces =
+            pieces.filter(|it| it.technique.is_of_model() || it.technique.is_of_simulator());
+        let sentences = pieces.filter(has_figure).map(set_to_counts);
+        sentences.flatten().collect()
     }
 
     /// Models that are declared to carry over and do not, unless what is left out says it.
@@ -324,12 +313,14 @@ impl Statement<'_> {
             Direction::AtLeast => threshold.value,
             Direction::AtMost => 1.0 - threshold.value,
         };
-        // A first look after which more may come has its share of the level.
-        let level = self.level.of_trials().met
-            * match self.is_looked_at_again {
-                true => stats::SHARE_OF_A_LOOK,
-                false => 1.0,
-            };
+        // A first look after which more may come has its share of the level, and one quantity more that is tested its share of the
+        // study's.
+        let share_of_look = match self.is_looked_at_again {
+            true => stats::SHARE_OF_A_LOOK,
+            false => 1.0,
+        };
+        let sharing = self.level.with_one_more as f64;
+        let level = self.level.of_trials().met * share_of_look / sharing;
         let trials = (level.ln() / share.ln()).ceil().max(1.0);
         let counting = match self.excluded.iter().any(|it| it.verdict_with_it.is_some()) {
             true => "No trials of the system that count",
@@ -363,4 +354,65 @@ fn capital(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|first| first.to_uppercase().to_string());
     first.unwrap_or_default() + letters.as_str()
+}
+
+/// What a piece's figures leave out of the counts that its numbers were set to or solved for, and how they take these counts: a
+/// count of episodes is as uncertain as they are many, and no more.
+fn set_to_counts(piece: &Evidence) -> Vec<String> {
+    let credible = || {
+        let measures = piece.findings.iter().map(|it| &it.measure);
+        measures.filter_map(|it| match it {
+            Measure::Probability { credible, .. } => credible.as_ref(),
+            _ => None,
+        })
+    };
+    let is_in_a_figure = |parameter: &str| {
+        let spreads = credible().flat_map(|it| &it.spread);
+        let mut sources = spreads.flat_map(|it| it.constant.split(", "));
+        sources.any(|name| name == parameter)
+    };
+    let (carried, left): (Vec<&Calibration>, Vec<&Calibration>) =
+        (piece.calibrated.iter()).partition(|one| is_in_a_figure(&one.parameter));
+    let mut sentences = Vec::new();
+    if !left.is_empty() {
+        let (were, they) = match left.len() {
+            1 => ("was", "it"),
+            _ => ("were", "them"),
+        };
+        let left = left.iter();
+        let left: Vec<String> = left
+            .map(|one| format!("`{}` from the counts of {}", one.parameter, one.from))
+            .collect();
+        sentences.push(format!(
+            "In {} {} {were} set or solved for: how uncertain these counts leave {they} is not in its figure.",
+            piece.id,
+            list(&left)
+        ));
+    }
+    let same: BTreeSet<&str> = carried
+        .iter()
+        .filter(|one| {
+            let mut others = carried.iter();
+            others.any(|it| it.from == one.from && it.subject != one.subject)
+        })
+        .map(|one| one.from.as_str())
+        .collect();
+    if !same.is_empty() {
+        let same: Vec<String> = same.into_iter().map(str::to_owned).collect();
+        sentences.push(format!(
+            "{} takes what {} counts of different things as independent of each other.",
+            piece.id,
+            list(&same)
+        ));
+    }
+    let out_of_reach = credible().map(|it| it.out_of_reach).fold(0.0, f64::max);
+    if out_of_reach > MOST_OUT_OF_REACH {
+        sentences.push(format!(
+            "Of what the counts leave possible {} is beyond what {} can have with any value of what was solved for; there it has the \
+             nearest that it can.",
+            percent(out_of_reach),
+            piece.id
+        ));
+    }
+    sentences
 }

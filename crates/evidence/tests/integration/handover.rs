@@ -165,6 +165,7 @@ fn credible(function: fn(&[f64]) -> f64) -> CredibleInterval {
             .collect(),
         robust: None,
         ends: None,
+        out_of_reach: 0.0,
     }
 }
 

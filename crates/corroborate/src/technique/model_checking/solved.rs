@@ -3,21 +3,22 @@
 //! # Definition
 //! `f(c)` is what the model computes for a subject with the constant at `c`, and the constant was given the value with which `f` is
 //! the counted rate. The rate is uncertain, and so is `c`: at a rate `r` of the counts' posterior `c` solves `f(c) = r`, from the
-//! written value on (`refinement::nearest_crossing`). Several constants are solved for in turn, the others as they are, until
-//! all rates are right.
+//! written value on, where the rate rises or falls without a turn (`refinement::nearest_crossing`). Several constants are solved for
+//! in turn, the others as they are, until all rates are right. Two that were solved for from one count are not carried: one rate
+//! does not tell two constants.
 //!
 //! # Why
 //! A constant that is the counted rate itself is carried with its posterior. One that was solved for was taken as known, so that
 //! what its counts leave open was lost, and a model fitted to thirty trials decided a requirement as one without doubt.
 //!
 //! # Assumes
-//! As [`super::uncertainty`]. The rate is monotone in the constant between the values that the counts leave possible; of several
-//! solutions the one next to the written value is meant. The constant has the value with which the model has the counted
+//! As [`super::uncertainty`]. Of several solutions the one on the stretch of the written value is meant. The constant has the value with which the model has the counted
 //! rate: one that has not is no solution, and is not carried.
 //!
 //! # Guarantee
 //! At each point the model has the rate within 1e-4 of the smaller of both outcomes. A rate that it has with no value of the constant
-//! counts as the nearest that it has: what is computed is under the assumption that the model is right but for its constants. Where
+//! counts as the nearest that it has on that stretch: what is computed is under the assumption that the model is right but for its
+//! constants. Of how many points that is so is in the evidence, and said with the verdict. Where
 //! solving in turn does not settle, nothing that was solved for is carried, and the verdict says so (`evidence`).
 
 use super::Compiled;
@@ -72,8 +73,16 @@ impl Compiled<'_> {
             true => self.solve_at(&[], &[], cancel)?,
             false => Vec::new(),
         };
+        let is_of_another = |constant: &CountedConstant| {
+            let solved = counted.iter().filter(|it| it.solved_for.is_some());
+            let mut others = solved.filter(|it| it.name != constant.name);
+            others.any(|it| it.is_of_the_source_of(constant))
+        };
         for constant in counted {
             if let Some(rate) = constant.solved_for {
+                if is_of_another(constant) {
+                    continue;
+                }
                 let mut questions = self.questions.iter();
                 let question = questions.position(|it| it.subject == &constant.subject);
                 let computed = question.and_then(|place| as_written.get(place)?.value);
@@ -112,21 +121,21 @@ impl SolvedFor {
         point
     }
 
-    /// The answers at a point, which has for a constant that is solved for the rate that the model is to have; `None` where
-    /// several constants do not settle.
+    /// The answers at a point, which has for a constant that is solved for the rate that the model is to have, and whether the
+    /// model has all these rates; `None` where several constants do not settle.
     pub fn row(
         &self,
         point: Vec<f64>,
         at: &dyn Fn(&[f64]) -> Result<Vec<Rate>, Problem>,
         cancel: &dyn Fn() -> bool,
-    ) -> Result<Option<Vec<Rate>>, Problem> {
+    ) -> Result<Option<(Vec<Rate>, bool)>, Problem> {
         if !self.is_any() {
-            return at(&point).map(Some);
+            return Ok(Some((at(&point)?, true)));
         }
         let targets: Vec<f64> = self.solved.iter().map(|one| point[one.place]).collect();
         let mut point = self.as_written(point);
         for _ in 0..MOST_ROUNDS {
-            let mut is_settled = true;
+            let (mut is_settled, mut is_reached) = (true, true);
             for (one, target) in self.solved.iter().zip(&targets) {
                 let before = point[one.place];
                 let mut rate = |value: f64| {
@@ -139,14 +148,15 @@ impl SolvedFor {
                 if cancel() {
                     return Err(Problem::interrupted());
                 }
-                let Some(value) = found else {
+                let Some((value, reaches)) = found else {
                     return Ok(None);
                 };
                 point[one.place] = value;
+                is_reached &= reaches;
                 is_settled &= (value - before).abs() <= SETTLED * before;
             }
             if is_settled || self.solved.len() == 1 {
-                return at(&point).map(Some);
+                return Ok(Some((at(&point)?, is_reached)));
             }
         }
         Ok(None)
@@ -162,7 +172,7 @@ impl SolvedFor {
             constants: Vec::new(),
             interval: None,
             reason: Some(format!(
-                "{} was solved for: its interval depends on the other constants",
+                "what was solved for ({}) has no interval that the counts give by themselves",
                 names.join(", ")
             )),
         };

@@ -46,22 +46,27 @@ use study::{FormText, Method};
 /// constant and two more.
 const POINTS_OF_FUNCTIONS: usize = 8192;
 
+/// States that are solved at no great cost, over all points.
+const STATES_SOLVED: usize = 400_000;
+
 /// Points at which functions are tried before they are evaluated at all others.
 const POINTS_TRIED: usize = 64;
 
-/// Where a constant is solved for at each point, which takes some ten answers, there are so many times fewer points.
+/// Where a constant is solved for at each point, which takes some ten answers, functions are asked at so many times fewer points.
 const SHARE_OF_SOLVED: usize = 4;
 
 /// A change of a probability below this is rounding.
 const NO_EFFECT: f64 = 1e-9;
 
 /// Points at which a model is solved: as many as draws of its constants give quantiles, with those of a grid that
-/// tells the shares of up to six constants to a fraction of a point. More constants have their columns exchanged.
-fn solves(constants: usize) -> usize {
-    match constants {
+/// tells the shares of up to six constants to a fraction of a point. More constants have their columns exchanged. A small
+/// model is solved at more: the limits that a verdict rests on are far quantiles, which a thousand draws leave open by a point.
+fn solves(constants: usize, states: usize) -> usize {
+    let least = match constants {
         0..=6 => 1000 + 100 * constants,
         _ => 250 * (constants + 2),
-    }
+    };
+    least.max(POINTS_OF_FUNCTIONS.min(STATES_SOLVED / states.max(1)))
 }
 
 impl Compiled<'_> {
@@ -101,7 +106,7 @@ impl Compiled<'_> {
     pub(super) fn carry_uncertainty(
         &self,
         id: &str,
-        counted: &[CountedConstant],
+        (counted, states): (&[CountedConstant], usize),
         findings: &mut [Finding],
         interrupt: &Cancel,
         begin: &dyn Fn(&str, u64) -> Stage,
@@ -126,9 +131,12 @@ impl Compiled<'_> {
             Some(functions) if functions.is_quick_at(&constants_at(&means)) => {
                 POINTS_OF_FUNCTIONS * (means.len() + 2)
             }
-            _ => solves(means.len()),
+            _ => solves(means.len(), states),
         };
-        let evaluations = evaluations / if solved.is_any() { SHARE_OF_SOLVED } else { 1 };
+        let evaluations = match solved.is_any() && functions.is_some() {
+            true => evaluations / SHARE_OF_SOLVED,
+            false => evaluations,
+        };
         let design =
             stats::SharesDesign::new(&sources.posteriors, evaluations, self.study.about.seed);
         let stage = begin(
@@ -142,7 +150,7 @@ impl Compiled<'_> {
                 None => self.solve_at(counted, point, &cancel),
             }
         };
-        let rows: Vec<Option<Vec<Rate>>> = design
+        let rows: Vec<Option<(Vec<Rate>, bool)>> = design
             .rows()
             .par_iter()
             .map(|point| {
@@ -154,11 +162,15 @@ impl Compiled<'_> {
                 row
             })
             .collect::<Result<_, _>>()?;
-        let Some(rows) = rows.into_iter().collect::<Option<Vec<Vec<Rate>>>>() else {
+        let rows: Option<(Vec<Vec<Rate>>, Vec<bool>)> = rows.into_iter().collect();
+        let Some((rows, reached)) = rows else {
             let set = counted.iter().filter(|it| it.solved_for.is_none());
             let set: Vec<CountedConstant> = set.cloned().collect();
-            return self.carry_uncertainty(id, &set, findings, interrupt, begin);
+            return self.carry_uncertainty(id, (&set, states), findings, interrupt, begin);
         };
+        let draws = &reached[..design.draws()];
+        let beyond = draws.iter().filter(|reaches| !**reaches).count();
+        let out_of_reach = beyond as f64 / draws.len() as f64;
         let robust = match solved.is_any() {
             false => self.robust_bounds(counted, level, &cancel)?,
             true => solved.without_bounds(self.questions.len()),
@@ -174,6 +186,7 @@ impl Compiled<'_> {
                     design: &design,
                     level,
                     question,
+                    out_of_reach,
                 };
                 carry.put(measure, values, functions.is_some(), robust)
             };
@@ -243,6 +256,8 @@ struct Carry<'c> {
     design: &'c stats::SharesDesign,
     level: stats::Confidence,
     question: &'c super::Question<'c>,
+    /// The share of draws with a rate that the model cannot have.
+    out_of_reach: f64,
 }
 
 impl Carry<'_> {
@@ -280,6 +295,7 @@ impl Carry<'_> {
         *credible = Some(CredibleInterval {
             by_function,
             robust,
+            out_of_reach: self.out_of_reach,
             ..found.beside(answer.value)
         });
         Ok(())

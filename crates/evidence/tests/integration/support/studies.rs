@@ -35,6 +35,7 @@ pub fn any_measure(uniform: &mut Uniform, technique: Technique, rate: f64) -> Me
                     quantiles,
                     robust: None,
                     ends: None,
+                    out_of_reach: 0.0,
                 };
                 computed(of(0.5), Guarantee::Exact { rational: None }, Some(credible))
             }

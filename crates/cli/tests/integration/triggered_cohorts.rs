@@ -1,0 +1,85 @@
+//! Of a requirement that is triggered in some attempts of a cohort, these are its trials where the tables say which they are.
+
+use crate::support;
+
+use serde_json::Value;
+use support::planted::Planted;
+
+const STUDY: &str = "title = \"A suit\"\nsummary = \"It helps to stand up.\"\nseed = 1\nconfidence = 0.95\nagreement = 0.95\n\
+    [conditions]\nlab = \"In the lab.\"\n";
+
+const REQUIREMENTS: &str = "[[requirement]]\nid = \"caught\"\ntext = \"Who stumbles is caught.\"\n\
+    shall = \"When stumbled, the suit shall with probability at least 0.8 eventually satisfy caught.\"\nmargin = 0.1\n\
+    experiment = \"caught\"\n\
+    [[failure_mode]]\nid = \"fall\"\nname = \"Fall\"\nmeaning = \"A stumble is not caught.\"\nmargin = 0.1\n\
+    occurs = 'P=? [ F \"fallen\" ]'\nopportunity = 'P=? [ F \"stumbled\" ]'\nexperiment = \"fallen\"\n";
+
+const VOCABULARY: &str = "stumbled = { meaning = \"they stumble\", column = \"STUMBLED\" }\n\
+    caught = { meaning = \"it catches them\", column = \"caught\" }\n\
+    fallen = { meaning = \"they fall\", column = \"fallen\" }\n";
+
+const LEDGER: &str = "[[evidence]]\nid = \"T\"\ntitle = \"Visits\"\ntechnique = \"experiment\"\nconditions = \"lab\"\n\
+    tables.cohort = \"cohort.csv\"\nchanged = \"Counted by hand.\"\n";
+
+/// Ten people of twenty attempts each, of which so many stumble and are caught.
+fn cohort(column: &str, uncaught: u64) -> String {
+    let row = |i: u64| {
+        let stumbled = 6 + i % 3;
+        let fallen = if i < uncaught { 1 } else { 0 };
+        format!("p{i},20,{stumbled},{},{fallen}\n", stumbled - fallen)
+    };
+    let rows: String = (0..10).map(row).collect();
+    format!("session,attempts,{column},caught,fallen\n{rows}")
+}
+
+fn findings(vocabulary: &str, ledger: &str, cohort: &str) -> (Planted, Vec<Value>) {
+    let study = Planted::new();
+    study.write("study.toml", STUDY);
+    study.write("requirements.toml", REQUIREMENTS);
+    study.write("vocabulary.toml", vocabulary);
+    study.write("ledger.toml", ledger);
+    study.write("cohort.csv", cohort);
+    study.write("modes.csv", "mode,occurrences,opportunities\nfall,2,69\n");
+    study.run();
+    let kept = support::read(&study.path().join("results/evidence/T.json"));
+    let kept: Value = serde_json::from_str(&kept).expect("JSON");
+    let findings = kept["content"]["findings"].as_array().expect("findings");
+    (study, findings.clone())
+}
+
+fn counts(finding: &Value) -> (u64, u64) {
+    let number = |key: &str| finding["measure"][key].as_u64().unwrap_or(u64::MAX);
+    (number("count"), number("trials"))
+}
+
+#[test]
+fn the_column_of_what_triggers_it_says_which_attempts_count() {
+    let vocabulary = VOCABULARY.replace("STUMBLED", "stumbled");
+    let (study, found) = findings(&vocabulary, LEDGER, &cohort("stumbled", 2));
+    assert_eq!(counts(&found[0]), (67, 69), "{found:?}");
+    assert_eq!(counts(&found[1]), (2, 69), "{found:?}");
+    assert_eq!(found[0]["measure"]["subjects"], 10, "{found:?}");
+    assert_eq!(found[0]["trigger"]["count"], 69, "{found:?}");
+    let said = support::program::corroborate(study.path(), &["run", ".", "--quiet"]);
+    assert_eq!(said.code, 0, "{said:?}");
+}
+
+#[test]
+fn the_opportunities_of_a_failure_mode_that_is_triggered_alike_do_it_in_all() {
+    let vocabulary = VOCABULARY.replace(", column = \"STUMBLED\"", "");
+    let ledger = format!("{LEDGER}tables.failure_modes = \"modes.csv\"\n");
+    let (_, found) = findings(&vocabulary, &ledger, &cohort("other", 2));
+    assert_eq!(counts(&found[0]), (67, 69), "{found:?}");
+}
+
+/// Where the tables do not say it every attempt counts, and so it does where a column counts what was not triggered, too.
+#[test]
+fn what_the_tables_do_not_say_is_not_guessed() {
+    let vocabulary = VOCABULARY.replace(", column = \"STUMBLED\"", "");
+    let (_, found) = findings(&vocabulary, LEDGER, &cohort("other", 2));
+    assert_eq!(counts(&found[0]), (67, 200), "{found:?}");
+    let vocabulary = VOCABULARY.replace("STUMBLED", "stumbled");
+    let all = cohort("stumbled", 0).replace("p0,20,6,6,0", "p0,20,6,20,0");
+    let (_, found) = findings(&vocabulary, LEDGER, &all);
+    assert_eq!(counts(&found[0]), (83, 200), "{found:?}");
+}

@@ -1,0 +1,124 @@
+//! In which trials of a cohort a subject is triggered, where its tables tell it without a row of the subject's own.
+//!
+//! # Definition
+//! A requirement that is triggered when a proposition comes to hold, or a failure mode whose opportunity that is, is covered in the
+//! attempts in which it did:
+//!
+//! * by subject, where the proposition has a column of the cohort and no subject has more successes (or failures) than that:
+//!   then the one was counted among the other;
+//! * in all, where a failure mode of the same opportunity has a row with its opportunities.
+//!
+//! # Why
+//! Attempts count as trials of a requirement, as people arrange them to trigger it. Where the tables say in how many of them it
+//! was, that is not so: of 600 attempts 88 stumble, and 86 that are caught are 86 of 88, not a rate of 14 %.
+//!
+//! # Assumes
+//! An attempt triggers it at most once.
+//!
+//! # Guarantee
+//! Counts are those of the tables. A success column that counts attempts without the trigger, too, is not taken for one among the
+//! trigger's.
+
+use super::Tables;
+use diagnostic::Problem;
+use evidence::Subject;
+use stats::Sample;
+use study::{FormText, Study, SubjectForm, TriggerForm, quoted_names};
+
+/// The trials in which a subject was triggered.
+pub(super) enum Triggering {
+    /// What was counted of each subject among its trials.
+    BySubject(Vec<Sample>),
+    /// Trials in all.
+    Total(u64),
+}
+
+impl Triggering {
+    /// How many trials there are.
+    pub fn trials(&self) -> u64 {
+        match self {
+            Self::BySubject(found) => found.iter().map(|it| it.trials).sum(),
+            Self::Total(trials) => *trials,
+        }
+    }
+}
+
+impl Tables {
+    /// In which trials of the cohort it was triggered; `None` where the tables have a row of its own, or do not say it.
+    pub(super) fn triggering(
+        &self,
+        study: &Study,
+        form: &SubjectForm,
+    ) -> Result<Option<Triggering>, Problem> {
+        let (None, Some(cohort)) = (self.covered(&form.subject), &self.cohort) else {
+            return Ok(None);
+        };
+        let Some(condition) = condition(form) else {
+            return Ok(None);
+        };
+        let Some(counted) = self.cohort_counts(study, form)? else {
+            return Ok(None);
+        };
+        let binding = reached(condition).and_then(|name| {
+            let known = study.vocabulary.propositions.get(&name)?;
+            known.column.as_ref()
+        });
+        if let Some(binding) = binding
+            && cohort.has_column(study, binding).is_ok()
+        {
+            let triggers = cohort.counts(&binding.text)?;
+            let among = counted.iter().zip(&triggers);
+            let among: Option<Vec<Sample>> = among
+                .map(|(counted, trigger)| Sample::new(counted.successes, trigger.successes).ok())
+                .collect();
+            if let Some(among) = among {
+                return Ok(Some(Triggering::BySubject(among)));
+            }
+        }
+        let count: u64 = counted.iter().map(|it| it.successes).sum();
+        let attempts: u64 = cohort.attempts.iter().sum();
+        let of_same = self.failure_modes.iter().find(|row| {
+            let mode = study.forms.of(&Subject::FailureMode(row.mode.clone()));
+            let opportunity = mode.and_then(|it| it.opportunity.as_ref());
+            opportunity.is_some_and(|it| is_same(it, condition))
+        });
+        let trials = of_same.map(|row| row.opportunities);
+        let is_among = |trials: &u64| (count..attempts).contains(trials);
+        Ok(trials.filter(is_among).map(Triggering::Total))
+    }
+}
+
+/// What has to come for a trial to count.
+fn condition(form: &SubjectForm) -> Option<&FormText> {
+    match (&form.subject, &form.trigger) {
+        (Subject::FailureMode(_), _) => form.opportunity.as_ref(),
+        (Subject::Requirement(_), TriggerForm::Runs(trigger)) => Some(trigger),
+        (Subject::Requirement(_), _) => None,
+    }
+}
+
+/// The proposition of which a property asks whether it ever comes to hold; `None` of another property.
+fn reached(property: &FormText) -> Option<String> {
+    let names = quoted_names(&property.text);
+    let [(name, span)] = names.as_slice() else {
+        return None;
+    };
+    let mut rest = property.text.clone();
+    rest.replace_range(span.clone(), "");
+    let rest: String = rest
+        .chars()
+        .filter(|c| !c.is_whitespace() && !"()".contains(*c))
+        .collect();
+    (rest == "P=?[F\"\"]").then(|| name.clone())
+}
+
+fn is_same(one: &FormText, other: &FormText) -> bool {
+    let words = |it: &FormText| -> String {
+        let kept = it
+            .text
+            .chars()
+            .filter(|c| !c.is_whitespace() && !"()".contains(*c));
+        kept.collect()
+    };
+    words(one) == words(other)
+}
