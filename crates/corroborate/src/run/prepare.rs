@@ -165,9 +165,16 @@ fn every_proposition_is_expressed_somewhere(
         let reason = first.not_expressed.get(name.as_str());
         let reason = reason.map_or("it cannot be evaluated", String::as_str);
         if is_a_failure(study, name) {
-            host.events.say(&format!(
-                "no model of the study knows `{name}`: {reason} (`corroborate refine` may offer it)"
-            ));
+            let unknown = Problem::new(
+                "unknown-name",
+                format!("no model of the study knows `{name}`: {reason}."),
+            );
+            let unknown = unknown
+                .at(&study.vocabulary.source, binding.span.clone())
+                .remedy(
+                    "Correct the name; if the model lacks it, `corroborate refine` may offer it.",
+                );
+            host.events.say(&unknown.warning_line());
             continue;
         }
         found.add(

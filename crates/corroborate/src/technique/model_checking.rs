@@ -156,7 +156,17 @@ impl<'a> Compiled<'a> {
                 self.expressed.insert(name);
             }
             Err(found) if found.iter().all(|d| d.code == "unknown-name") => {
-                let words: Vec<_> = found.iter().map(|d| d.message.clone()).collect();
+                // A name that is nearly one of the model's is a slip, not an abstraction.
+                let words = |d: &Diagnostic| {
+                    let message = d.message.trim_end_matches('.');
+                    match d.remedy.as_deref().and_then(|it| it.strip_prefix('D')) {
+                        Some(meant) if meant.starts_with("id you mean") => {
+                            format!("{message} (d{meant})")
+                        }
+                        _ => message.to_owned(),
+                    }
+                };
+                let words: Vec<_> = found.iter().map(words).collect();
                 self.not_expressed.insert(name, words.join("; "));
             }
             Err(found) => {

@@ -43,8 +43,13 @@ impl Influences {
     pub fn learn(evidence: &[Evidence]) -> Self {
         let mut influences = Self::default();
         for piece in evidence {
+            let all = piece.findings.iter().map(|it| shares(&it.measure));
+            let carried: BTreeSet<&str> = all.flat_map(BTreeMap::into_keys).collect();
             for finding in &piece.findings {
-                let shares = shares(&finding.measure);
+                let mut shares = shares(&finding.measure);
+                if !varies(&finding.measure) {
+                    shares.extend(carried.iter().map(|constant| (*constant, 0.0)));
+                }
                 for calibration in &piece.calibrated {
                     let Subject::FailureMode(mode) = &calibration.subject else {
                         continue;
@@ -123,8 +128,19 @@ impl Influences {
     }
 }
 
-/// The shares of constants in the variance of a computed probability; all zero when it does not
-/// vary.
+/// Whether a probability has a distribution that is more than one number, or none at all: then nothing is known.
+fn varies(measure: &Measure) -> bool {
+    match measure {
+        Measure::Probability {
+            credible: Some(credible),
+            ..
+        } => credible.ends.is_some() || !credible.spread.is_empty(),
+        _ => true,
+    }
+}
+
+/// The shares of constants in the variance of a computed probability, by each name that a source has; all zero when it does
+/// not vary.
 fn shares(measure: &Measure) -> BTreeMap<&str, f64> {
     let Measure::Probability {
         credible: Some(credible),
@@ -158,14 +174,14 @@ fn shares_of<'e>(
     };
     let varies = width > 1e-12;
     let share = |spread: &'e Spread| {
-        let bears = match varies {
+        let bears: f64 = match varies {
             // What the share's error leaves open counts as bearing, too.
             true => spread.total.unwrap_or(0.0).max(spread.share) + spread.error.unwrap_or(0.0),
             false => 0.0,
         };
-        (spread.constant.as_str(), bears)
+        spread.constant.split(", ").map(move |name| (name, bears))
     };
-    spread.iter().map(share).collect()
+    spread.iter().flat_map(share).collect()
 }
 
 /// A source: evidence and what was counted in it.
