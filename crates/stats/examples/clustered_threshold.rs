@@ -1,7 +1,7 @@
 //! How often tests of clustered counts against a threshold err at each level: sums over all outcomes.
 //!
 //! `cargo run -p corroborate-stats --release --example clustered_threshold` prints the tables in the documentation of `stats::clustered`.
-//! A row has clusters of one size. A figure is the largest probability, in percent, of showing at the level that the rate is
+//! With `unequal` it prints what is said there of clusters that differ in size. A row has clusters of one size. A figure is the largest probability, in percent, of showing at the level that the rate is
 //! on one side of a threshold at which it is: over rates, and over correlations of a beta distribution of them or two
 //! laws for which no test was made, in which all failures are of one kind of people.
 
@@ -191,7 +191,8 @@ fn of_unequal(trials: &[u64], share: f64, draws: u64) -> [f64; 4] {
     found.map(|it| 100.0 * it as f64 / draws as f64)
 }
 
-fn main() {
+/// People of unequal numbers of trials.
+fn print_unequal() {
     let few_with_many = [[3; 12].as_slice(), &[40; 3]].concat();
     let all: Vec<u64> = (0..20).map(|it| 1 + it % 19).collect();
     for (name, trials) in [("12 x 3 and 3 x 40", few_with_many), ("20 x 1 to 19", all)] {
@@ -200,6 +201,13 @@ fn main() {
             "unequal, four of five fail half of the time, below: {name}: {}",
             found.join(" ")
         );
+    }
+}
+
+fn main() {
+    if std::env::args().nth(1).as_deref() == Some("unequal") {
+        print_unequal();
+        return;
     }
     println!(
         "| clusters x trials | law | claim | at `n*` | by the likelihood | by both | and a better count |"

@@ -145,8 +145,8 @@
 //! | 100 x 2 | two kinds | below | 7.3 4.0 2.8 1.1 | 6.3 2.8 1.2 0.6 | 6.3 2.8 1.2 0.6 | 6.3 2.8 1.2 0.6 |
 //!
 //! Of unequal clusters another law errs more: where the failures of 12 people of three attempts and three of forty are those of a kind of whom
-//! each fails half of the time, "below 0.6" comes out in 8.8 % at 5 % and 1.8 % at 1.25 %, and where 20 people have 1 to 19, in
-//! 5.9 and 2.2 % (40 000 draws).
+//! each fails half of the time, "below 0.6" comes out in 8.6 % at 5 % and 1.8 % at 1.25 % (15.0 and 5.1 by the likelihood), and where 20
+//! people have 1 to 19, in 6.0 and 2.3 % (20 000 draws, the example with `unequal`).
 //!
 //! So of equal clusters with all three a claim of the larger levels is wrong at most 1.2 times as often as it may be under the model, and so is one of the
 //! smaller (6.0, 2.6, 1.4 and 0.6 %; by both alone 6.0, 5.1, 3.8 and 1.0). Under the other law it is wrong in up to 6.9, 4.4, 2.7 and 0.8 %:

@@ -14,9 +14,9 @@ const REQUIREMENTS: &str = "[[requirement]]\nid = \"caught\"\ntext = \"Who stumb
     [[failure_mode]]\nid = \"fall\"\nname = \"Fall\"\nmeaning = \"A stumble is not caught.\"\nmargin = 0.1\n\
     occurs = 'P=? [ F \"fallen\" ]'\nopportunity = 'P=? [ F \"stumbled\" ]'\nexperiment = \"fallen\"\n";
 
-const VOCABULARY: &str = "stumbled = { meaning = \"they stumble\", column = \"STUMBLED\" }\n\
-    caught = { meaning = \"it catches them\", column = \"caught\" }\n\
-    fallen = { meaning = \"they fall\", column = \"fallen\" }\n";
+const VOCABULARY: &str = "stumbled = { meaning = \"they stumble\", model = \"s=1\", column = \"STUMBLED\" }\n\
+    caught = { meaning = \"it catches them\", model = \"s=2\", column = \"caught\" }\n\
+    fallen = { meaning = \"they fall\", model = \"s=3\", column = \"fallen\" }\n";
 
 const LEDGER: &str = "[[evidence]]\nid = \"T\"\ntitle = \"Visits\"\ntechnique = \"experiment\"\nconditions = \"lab\"\n\
     tables.cohort = \"cohort.csv\"\nchanged = \"Counted by hand.\"\n";
