@@ -47,6 +47,9 @@ pub(super) struct SolvedFor {
     solved: Vec<One>,
 }
 
+/// The answers of all questions at a point of the counted constants.
+type Answers<'f> = dyn Fn(&[f64]) -> Result<Vec<Rate>, Problem> + 'f;
+
 /// A constant that is solved for.
 struct One {
     /// Its place among the counted constants.
@@ -126,7 +129,7 @@ impl SolvedFor {
     pub fn row(
         &self,
         point: Vec<f64>,
-        at: &dyn Fn(&[f64]) -> Result<Vec<Rate>, Problem>,
+        at: &Answers<'_>,
         cancel: &dyn Fn() -> bool,
     ) -> Result<Option<(Vec<Rate>, bool)>, Problem> {
         if !self.is_any() {
