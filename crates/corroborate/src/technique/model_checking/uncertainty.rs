@@ -52,7 +52,7 @@ const STATES_SOLVED: usize = 400_000;
 /// Points at which functions are tried before they are evaluated at all others.
 const POINTS_TRIED: usize = 64;
 
-/// Where a constant is solved for at each point, which takes some ten answers, functions are asked at so many times fewer points.
+/// Where a constant is solved for at each point, which takes some ten answers, there are so many times fewer points.
 const SHARE_OF_SOLVED: usize = 4;
 
 /// A change of a probability below this is rounding.
@@ -61,12 +61,12 @@ const NO_EFFECT: f64 = 1e-9;
 /// Points at which a model is solved: as many as draws of its constants give quantiles, with those of a grid that
 /// tells the shares of up to six constants to a fraction of a point. More constants have their columns exchanged. A small
 /// model is solved at more: the limits that a verdict rests on are far quantiles, which a thousand draws leave open by a point.
-fn solves(constants: usize, states: usize) -> usize {
+fn solves(constants: usize, (states, at_most): (usize, usize)) -> usize {
     let least = match constants {
         0..=6 => 1000 + 100 * constants,
         _ => 250 * (constants + 2),
     };
-    least.max(POINTS_OF_FUNCTIONS.min(STATES_SOLVED / states.max(1)))
+    least.max(at_most.min(STATES_SOLVED / states.max(1)))
 }
 
 impl Compiled<'_> {
@@ -127,15 +127,15 @@ impl Compiled<'_> {
             .iter()
             .map(|posterior| posterior.mean())
             .collect();
+        let at_most = match solved.is_any() {
+            true => POINTS_OF_FUNCTIONS / SHARE_OF_SOLVED,
+            false => POINTS_OF_FUNCTIONS,
+        };
         let evaluations = match &functions {
             Some(functions) if functions.is_quick_at(&constants_at(&means)) => {
-                POINTS_OF_FUNCTIONS * (means.len() + 2)
+                at_most * (means.len() + 2)
             }
-            _ => solves(means.len(), states),
-        };
-        let evaluations = match solved.is_any() && functions.is_some() {
-            true => evaluations / SHARE_OF_SOLVED,
-            false => evaluations,
+            _ => solves(means.len(), (states, at_most)),
         };
         let design =
             stats::SharesDesign::new(&sources.posteriors, evaluations, self.study.about.seed);
