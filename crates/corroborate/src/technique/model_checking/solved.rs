@@ -12,14 +12,14 @@
 //! what its counts leave open was lost, and a model fitted to thirty trials decided a requirement as one without doubt.
 //!
 //! # Assumes
-//! As [`super::uncertainty`]. Of several solutions the one on the stretch of the written value is meant. The constant has the value with which the model has the counted
-//! rate: one that has not is no solution, and is not carried.
+//! As [`super::uncertainty`]. Of several solutions the one on the stretch of the written value is meant. The constant has the
+//! value with which the model has the counted rate: one that has not is no solution, and is not carried.
 //!
 //! # Guarantee
 //! At each point the model has the rate within 1e-4 of the smaller of both outcomes. A rate that it has with no value of the constant
 //! counts as the nearest that it has on that stretch: what is computed is under the assumption that the model is right but for its
-//! constants. Of how many points that is so is in the evidence, and said with the verdict. Where
-//! solving in turn does not settle, nothing that was solved for is carried, and the verdict says so (`evidence`).
+//! constants. Of how many points that is so is in the evidence, and said with the verdict. Where solving in turn does not settle,
+//! nothing that was solved for is carried, and the verdict says so (`evidence`).
 
 use super::Compiled;
 use super::functions::Rate;
