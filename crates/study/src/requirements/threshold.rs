@@ -34,7 +34,7 @@ impl Reader<'_> {
                 ),
             )
             .at(self.source, text.span())
-            .remedy("write for example \"at least 0.95\" or \"at most 0.01\", between 0 and 1")
+            .remedy("write for example \"at least 0.95\", \"at least 95 %\" or \"at most 0.01\", between 0 and 1")
         })
     }
 
@@ -95,11 +95,17 @@ fn parse_threshold(text: &str) -> Option<Threshold> {
     } else {
         (Direction::AtMost, text.strip_prefix("at most ")?)
     };
-    let value: f64 = number.trim().parse().ok()?;
+    let number = number.trim();
+    // In percent by its digits: a quotient would round once more.
+    let value: f64 = match number.strip_suffix('%') {
+        Some(percent) => format!("{}e-2", percent.trim_end()).parse().ok()?,
+        None => number.parse().ok()?,
+    };
     (0.0..=1.0)
         .contains(&value)
         .then_some(Threshold { direction, value })
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,12 +118,18 @@ mod tests {
             parse_threshold("at most 0.1").map(|t| t.direction),
             Some(Direction::AtMost)
         );
+        for (text, value) in [("at least 84.95 %", 0.8495), ("at least 7%", 0.07)] {
+            assert_eq!(parse_threshold(text).map(|it| it.value), Some(value));
+        }
         for bad in [
             "0.95",
             "at least 1.5",
             "at least x",
             "at least -0.1",
             "at least NaN",
+            "at least 101 %",
+            "at least %",
+            "at least 9e1 %",
         ] {
             assert!(parse_threshold(bad).is_none(), "{bad}");
         }
