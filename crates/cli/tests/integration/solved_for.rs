@@ -42,11 +42,10 @@ fn of_files(files: [&str; 4], calibrated: &str) -> Planted {
 
 /// The distribution of what the model computes for a requirement.
 fn credible(study: &Planted, requirement: &str) -> Value {
-    let kept = support::read(&study.path().join("results/evidence/M.json"));
-    let kept: Value = serde_json::from_str(&kept).expect("JSON");
-    let findings = kept["content"]["findings"].as_array().expect("findings");
-    let of = |it: &&Value| it["subject"]["id"] == requirement;
-    findings.iter().find(of).expect("the finding")["measure"]["credible"].clone()
+    let findings = study.findings("M");
+    let mut findings = findings.iter();
+    let finding = findings.find(|it| it["subject"]["id"] == requirement);
+    finding.expect("the finding")["measure"]["credible"].clone()
 }
 
 fn is_near(found: &Value, [low, high]: [f64; 2], tolerance: f64) {
@@ -88,8 +87,7 @@ fn a_number_that_does_not_give_the_rate_is_not_carried_and_the_verdict_says_so()
     let other = MODEL.replace("0.1120960", "0.2");
     let study = study(BREAKS, &other);
     assert_eq!(credible(&study, "begins"), Value::Null);
-    let said = support::program::corroborate(study.path(), &["run", ".", "--quiet"]);
-    let words = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = said(&study);
     assert!(
         words.contains("In M `pBreaks` from the counts of T was set or solved for: how uncertain"),
         "{words}"

@@ -41,10 +41,8 @@ fn findings(vocabulary: &str, ledger: &str, cohort: &str) -> (Planted, Vec<Value
     study.write("cohort.csv", cohort);
     study.write("modes.csv", "mode,occurrences,opportunities\nfall,2,69\n");
     study.run();
-    let kept = support::read(&study.path().join("results/evidence/T.json"));
-    let kept: Value = serde_json::from_str(&kept).expect("JSON");
-    let findings = kept["content"]["findings"].as_array().expect("findings");
-    (study, findings.clone())
+    let findings = study.findings("T");
+    (study, findings)
 }
 
 fn counts(finding: &Value) -> (u64, u64) {

@@ -106,6 +106,15 @@ impl Planted {
         assert!([0, 1, 3].contains(&said.code), "{said:?}");
     }
 
+    /// What is kept of a piece of evidence on each subject.
+    pub fn findings(&self, evidence: &str) -> Vec<Value> {
+        let path = format!("results/evidence/{evidence}.json");
+        let kept = super::read(&self.path().join(path));
+        let kept: Value = serde_json::from_str(&kept).expect("JSON");
+        let findings = kept["content"]["findings"].as_array();
+        findings.expect("findings").clone()
+    }
+
     /// What a command says of it as JSON.
     pub fn json(&self, command: &str) -> Value {
         let said = corroborate(self.path(), &[command, ".", "--format", "json", "--quiet"]);

@@ -105,20 +105,16 @@ fn reached(property: &FormText) -> Option<String> {
     };
     let mut rest = property.text.clone();
     rest.replace_range(span.clone(), "");
-    let rest: String = rest
-        .chars()
-        .filter(|c| !c.is_whitespace() && !"()".contains(*c))
-        .collect();
-    (rest == "P=?[F\"\"]").then(|| name.clone())
+    (bare(&rest) == "P=?[F\"\"]").then(|| name.clone())
 }
 
 fn is_same(one: &FormText, other: &FormText) -> bool {
-    let words = |it: &FormText| -> String {
-        let kept = it
-            .text
-            .chars()
-            .filter(|c| !c.is_whitespace() && !"()".contains(*c));
-        kept.collect()
-    };
-    words(one) == words(other)
+    bare(&one.text) == bare(&other.text)
+}
+
+/// A property without blanks and parentheses.
+fn bare(text: &str) -> String {
+    text.chars()
+        .filter(|c| !c.is_whitespace() && !"()".contains(*c))
+        .collect()
 }
