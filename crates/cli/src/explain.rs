@@ -26,8 +26,13 @@ pub fn explain(arguments: &Explain) -> Result<Done, Problem> {
             let wanted = wanted.replace(' ', "-");
             let topic = topics.iter().find(|t| t.name == wanted).ok_or_else(|| {
                 let problem = Problem::new("unknown-topic", format!("there is no topic `{name}`"));
+                let speaking = speaking_of(&topics, name);
                 match did_you_mean(&wanted, topics.iter().map(|t| t.name)) {
                     Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+                    None if !speaking.is_empty() => problem.remedy(format!(
+                        "these speak of it: {}; `corroborate explain` lists all topics",
+                        speaking.join(", ")
+                    )),
                     None => problem.remedy("`corroborate explain` lists all topics"),
                 }
             })?;
@@ -38,6 +43,23 @@ pub fn explain(arguments: &Explain) -> Result<Done, Problem> {
         output,
         outcome: Outcome::Holds,
     })
+}
+
+/// Most topics that are named for a word that is none.
+const MOST_SPEAKING: usize = 4;
+
+/// The topics in whose texts a word stands, those that have it most often first.
+fn speaking_of<'t>(topics: &[Topic<'t>], word: &str) -> Vec<&'t str> {
+    let word = word.trim().to_lowercase();
+    if word.is_empty() {
+        return Vec::new();
+    }
+    let times = |topic: &Topic| topic.text.to_lowercase().matches(&word).count();
+    let counted = topics.iter().map(|topic| (times(topic), topic.name));
+    let mut found: Vec<(usize, &str)> = counted.filter(|(times, _)| *times > 0).collect();
+    found.sort_by_key(|(times, _)| std::cmp::Reverse(*times));
+    found.truncate(MOST_SPEAKING);
+    found.into_iter().map(|(_, name)| name).collect()
 }
 
 /// What a code or word means.
@@ -91,6 +113,19 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
     use std::path::Path;
+
+    #[test]
+    fn a_word_that_is_no_topic_names_those_that_speak_of_it() {
+        let said = |topic: &str| {
+            let problem = explain(&Explain {
+                topic: Some(topic.into()),
+            });
+            problem.expect_err("no topic").to_string()
+        };
+        let found = said("Wilson");
+        assert!(found.contains("these speak of it: "), "{found}");
+        assert!(!said("zxqv").contains("speak of it"));
+    }
 
     fn source_files(folder: &Path, files: &mut Vec<String>) {
         for entry in std::fs::read_dir(folder).expect("a folder").flatten() {

@@ -298,6 +298,7 @@ fn calibrate(assets: &mut Assets, counted: &[Finding]) -> Vec<Calibration> {
         parameter: format!("{} of the simulator", assets.modes[place]),
         from: ids::EXPERIMENT.to_owned(),
         subject,
+        chosen: false,
     });
     all
 }
@@ -307,6 +308,7 @@ fn calibration(it: &SetTo) -> Calibration {
         parameter: it.parameter.clone(),
         from: it.from.clone(),
         subject: Subject::FailureMode(it.mode.clone()),
+        chosen: false,
     }
 }
 

@@ -78,6 +78,7 @@ pub fn piece(
                 .calibrated
                 .iter()
                 .map(|c| c.calibration.clone())
+                .chain(entry.chosen.iter().cloned())
                 .collect(),
             intermediate: entry.intermediate,
             published: is_published,

@@ -15,7 +15,9 @@
 //! * *inconclusive*: neither; [`undecided`] gives the further trials that would decide.
 //!
 //! A difference below the margin was declared not to matter: it is never a conflict, and agreement where it is shown to
-//! be below. [`Relation`] has the table of all cells, with what each promises. A pair is *independent* unless one side was calibrated on the other, or
+//! be below. [`Relation`] has the table of all cells, with what each promises. Where all trials of a side are of one person, session or
+//! other cluster that is not declared to stand for all, the tests speak of this one alone: the pair is *inconclusive* whatever they
+//! show, unless the other side is known to be 0 or 1, which one violation refutes. A pair is *independent* unless one side was calibrated on the other, or
 //! both on the same counts, on this quantity (see [`Influences`]).
 //!
 //! | sides | "no difference" | agreement |
@@ -78,8 +80,8 @@ pub use together::{Spreading, Together, compare_together};
 
 use crate::looks::is_open;
 use crate::{
-    Comparison, ErrorFamily, Evidence, FailureMode, Interval, Looking, Looks, Outcome, Requirement,
-    Subject,
+    Comparison, ErrorFamily, Evidence, FailureMode, Finding, Interval, Looking, Looks, Measure,
+    Outcome, Requirement, Subject,
 };
 use pair::Pair;
 use stats::{Confidence, StatsError};
@@ -271,6 +273,8 @@ struct Draft {
     fit: Option<String>,
     /// Coincidences of their numbers that chance explains.
     noted: Vec<String>,
+    /// Sides all of whose trials are of one person, session or other cluster, in words: what the tests show is of this one.
+    of_one: Vec<String>,
     /// The statistics, where both sides have a number.
     pair: Option<Pair>,
     /// Why the pair cannot be compared, if it cannot.
@@ -301,20 +305,11 @@ fn draft(
     comparison.possibly_copied = lineage.is_possible_copy(&left.id, &right.id, subject);
     comparison.paired = lineage.is_paired(&left.id, &right.id, subject);
     let mut noted = lineage.noted(&left.id, &right.id, subject);
-    let of_one = [left, right]
-        .into_iter()
-        .filter(|it| it.is_of_one_subject());
-    noted.extend(of_one.map(|it| match it.technique.is_of_system() {
-        true => format!(
-            "all trials of {} are of one person or session, of whom alone this is said",
-            it.id
-        ),
-        false => format!(
-            "all trials of {} are of one cluster, and together worth one trial of how others go",
-            it.id
-        ),
-    }));
     noted.extend(runs::total_unknown(sides.0, sides.1));
+    let of_one = match is_certain(findings.0) || is_certain(findings.1) {
+        true => Vec::new(),
+        false => of_one_subject([left, right]),
+    };
     match runs::triggers(sides.0, sides.1, margin, &study.levels) {
         Some(Ok(shares)) => comparison.trigger = Some(shares),
         Some(Err(reason)) => comparison.trigger_not_compared = Some(reason),
@@ -344,6 +339,7 @@ fn draft(
         comparison,
         fit,
         noted,
+        of_one,
         pair,
         obstacle,
         conditions: left.conditions.clone(),
@@ -453,6 +449,23 @@ fn blank(subject: &Subject, left: &Evidence, right: &Evidence, margin: f64) -> C
     }
 }
 
+/// Of which sides all trials are of one person, session or other cluster that does not stand for all.
+fn of_one_subject(sides: [&Evidence; 2]) -> Vec<String> {
+    let of_one = sides.into_iter().filter(|it| it.is_of_one_subject());
+    of_one
+        .map(|it| format!("all trials of {} are of {} alone", it.id, it.one_subject()))
+        .collect()
+}
+
+/// Whether a rate is known to be 0 or 1: what one does that it excludes refutes it, whoever this one is.
+fn is_certain(finding: &Finding) -> bool {
+    matches!(
+        &finding.measure,
+        Measure::Probability { answer, credible: None, .. }
+            if answer.guarantee.is_certain() && (answer.value == 0.0 || answer.value == 1.0)
+    )
+}
+
 fn other_conditions(left: &Evidence, right: &Evidence) -> Option<String> {
     (left.conditions != right.conditions).then(|| {
         format!(
@@ -520,7 +533,10 @@ impl Draft {
         let agree = inside && pair.is_shown(self.comparison.p_equivalence, levels.agreement);
         let relation = Relation::of(differ, agree, inside);
         self.comparison.relation = Some(relation);
-        self.comparison.outcome = relation.outcome();
+        self.comparison.outcome = match self.of_one.is_empty() {
+            true => relation.outcome(),
+            false => Outcome::Inconclusive,
+        };
         let reason = match relation {
             Relation::Equivalent | Relation::TrivialDifference => {
                 self.agreement_in_words(pair, differ)
@@ -532,7 +548,24 @@ impl Draft {
                 self.doubt_in_words(pair, corrected, family)
             }
         };
-        self.comparison.reason = reason + &pair.range_in_words() + &self.fit_in_words();
+        self.comparison.reason =
+            reason + &pair.range_in_words() + &self.one_in_words(relation) + &self.fit_in_words();
+    }
+
+    /// What it means for the outcome that a side tells of one person, session or other cluster alone.
+    fn one_in_words(&self, relation: Relation) -> String {
+        if self.of_one.is_empty() {
+            return String::new();
+        }
+        let meaning = match relation.outcome() {
+            Outcome::Corroborates => "This is not corroboration",
+            Outcome::Conflicts => "This is not a conflict",
+            Outcome::Inconclusive | Outcome::NotComparable => "It would decide nothing",
+        };
+        format!(
+            " {meaning}: {}, and how others go is not known.",
+            self.of_one.join(", ")
+        )
     }
 
     /// What it means for the outcome that the pair is not independent.

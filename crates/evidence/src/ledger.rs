@@ -18,6 +18,10 @@ pub struct Calibration {
     pub from: String,
     /// The failure mode or requirement that supplied the number.
     pub subject: Subject,
+    /// Whether no number was set: `parameter` says in words what was changed in a text of the study, which was chosen because then the
+    /// evidence agrees.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub chosen: bool,
 }
 
 /// What producing the evidence took. Varies from run to run, so it is kept

@@ -201,6 +201,7 @@ impl Evidence {
             parameter: parameter.into(),
             from: from.into(),
             subject,
+            chosen: false,
         });
         self
     }

@@ -53,7 +53,7 @@ pub struct Comparison {
     pub left: String,
     /// The later evidence.
     pub right: String,
-    /// What the comparison shows.
+    /// What the comparison shows; inconclusive, whatever `relation` says, where a side is of one person, session or other cluster alone.
     pub outcome: Outcome,
     /// What the tests and the estimate show together, of which the outcome follows; `null` where they are not
     /// comparable.

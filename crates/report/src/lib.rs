@@ -4,6 +4,7 @@
 //! inline, and a policy in its head forbids everything else. All text of the
 //! study is escaped.
 
+mod answers;
 pub mod assurance;
 pub mod junit;
 mod markdown;
@@ -19,10 +20,17 @@ mod traceability;
 mod view;
 mod words;
 
+pub use answers::{Answer, Part};
 pub use markdown::markdown;
 pub use traceability::traceability;
 
 use evidence::StudyResult;
+
+/// The five questions that people ask of a study, with their answers: what the page begins with.
+#[must_use]
+pub fn answers(study: &StudyResult) -> [Answer; 5] {
+    answers::answers(view::View { study })
+}
 
 /// The study as one HTML file that opens offline.
 pub fn html(study: &StudyResult) -> String {

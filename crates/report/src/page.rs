@@ -14,7 +14,8 @@ const SCRIPT: &str = include_str!("script.js");
 const SCRIPT_HASH: &str = "YYBZcrAcuVMDv7a2n8ZDuvMtKc2Iocym0mjujSYP9ek=";
 
 /// Anchor and name of each section, in order.
-pub const SECTIONS: [(&str, &str); 16] = [
+pub const SECTIONS: [(&str, &str); 17] = [
+    ("answers", "Answers"),
     ("verdict", "Verdict"),
     ("matrix", "Matrix"),
     ("forest", "Evidence"),
@@ -41,7 +42,7 @@ pub fn render(study: &StudyResult) -> String {
         html lang="en" {
             (head(&study.title, STYLE, SCRIPT_HASH))
             body {
-                a class="skip" href="#verdict" { "Skip to the verdict" }
+                a class="skip" href="#answers" { "Skip to the answers" }
                 (masthead(study))
                 (navigation(study))
                 main { (sections(view)) }
@@ -108,6 +109,7 @@ fn navigation(study: &StudyResult) -> Markup {
 
 fn sections(view: View) -> Markup {
     html! {
+        (section::answers::render(view))
         (section::verdict::render(view))
         (section::matrix::render(view))
         (section::forest::render(view))

@@ -524,7 +524,7 @@ fn suspects(page: &mut Page, study: &StudyResult) {
         page.heading("Suspects: where the evidence disagrees, and why");
     }
     for suspect in suspects.iter().take(SUSPECTS_SHOWN) {
-        let state = match words::resolution(suspect) {
+        let state = match suspect.resolution() {
             Some((before, id, behind)) => format!("{before}{id}{behind}"),
             None => "still open".to_owned(),
         };

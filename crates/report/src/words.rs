@@ -4,7 +4,7 @@
 use evidence::{
     AssetRole, CERTAINTY, Comparison, Conclusion, Direction, ErrorFamily, Guarantee,
     Identification, Inaccuracy, Likeness, Measure, Outcome, RegionOutcome, Requirement, Standing,
-    Step, StudyResult, Suspect, Technique, Threshold, Verdict,
+    Step, StudyResult, Technique, Threshold, Verdict,
 };
 
 use crate::number;
@@ -54,15 +54,6 @@ pub fn concluded(conclusion: &Conclusion) -> Mark {
         mark.tone = "open";
     }
     mark
-}
-
-/// What has resolved a suspect: words before the evidence that has, its identifier, and words behind it.
-pub fn resolution(suspect: &Suspect) -> Option<(&'static str, &str, &'static str)> {
-    let by = suspect.resolved_by.as_deref()?;
-    Some(match suspect.differs_from_what_it_replaced() {
-        true => ("from evidence that ", by, " replaces"),
-        false => ("fixed in ", by, ""),
-    })
 }
 
 /// The requirements by what is concluded of them and on which step: what stands for a model alone is not told with what stands

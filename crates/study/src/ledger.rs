@@ -59,6 +59,8 @@ pub struct Entry {
     pub reproduced_by: Option<String>,
     /// Whose counts its assets were set to.
     pub calibrated: Vec<Calibrated>,
+    /// Changes of its texts that were chosen because then other evidence agrees.
+    pub chosen: Vec<Calibration>,
     /// Why it is independent of evidence from which it looks copied.
     pub independent: Independent,
     /// Why its runs without a verdict may be left out, where the study declares that they are missing at random.

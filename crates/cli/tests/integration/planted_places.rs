@@ -112,4 +112,66 @@ fn tables_that_changed_places_are_told_and_put_back_in_the_ledger() {
     assert!([0, 1].contains(&said.code), "{said:?}");
     folder.run();
     assert_eq!(folder.json("diagnose")["suspects"], serde_json::json!([]));
+
+    // What was put back because then the models agree does not agree with them by itself.
+    let ledger = support::read(&folder.path().join("ledger.toml"));
+    let lines = |from: &str| {
+        format!(
+            "chosen = [\n    {{ what = \"T1 and T2: the files of the two exchanged\", from = \"{from}\", requirement = \"down\" }},\n]"
+        )
+    };
+    assert!(ledger.contains(&lines("M1")), "{ledger}");
+    assert!(ledger.contains(&lines("M2")), "{ledger}");
+    let compared = folder.json("compare");
+    let pairs = compared["comparisons"].as_array().expect("comparisons");
+    let with_tables: Vec<_> = pairs
+        .iter()
+        .filter(|it| it["outcome"] == "corroborates")
+        .collect();
+    assert_eq!(with_tables.len(), 2, "{pairs:#?}");
+    for pair in with_tables {
+        assert_eq!(pair["independent"], false, "{pair}");
+        let reason = pair["reason"].as_str().unwrap_or_default();
+        assert!(
+            reason.contains("This is a fit, not corroboration: \"T1 and T2"),
+            "{reason}"
+        );
+    }
+}
+
+/// A choice names evidence of the ledger, before or behind it, and says what was changed.
+#[test]
+fn a_choice_of_nothing_is_refused_with_its_place() {
+    let folder = study(["calm.csv", "windy.csv"]);
+    let ledger = support::read(&folder.path().join("ledger.toml"));
+    for (written, part) in [
+        (
+            "what = \"word\", from = \"T3\", requirement = \"down\"",
+            "the ledger has no evidence `T3`",
+        ),
+        (
+            "what = \" \", from = \"T1\", requirement = \"down\"",
+            "does not say what was changed",
+        ),
+        (
+            "what = \"word\", from = \"T1\"",
+            "needs either a `failure_mode` or a `requirement`",
+        ),
+        (
+            "what = \"word\", from = \"T1\", requirement = \"dwn\"",
+            "did you mean `down`?",
+        ),
+    ] {
+        let line = format!("model = \"calm.prism\"\nchosen = [{{ {written} }}]");
+        folder.write(
+            "ledger.toml",
+            &ledger.replacen("model = \"calm.prism\"", &line, 1),
+        );
+        let said = corroborate(folder.path(), &["run", ".", "--quiet"]);
+        assert_eq!(said.code, 2, "{said:?}");
+        assert!(
+            said.talk.contains(part) && said.talk.contains("ledger.toml:7:"),
+            "{said:?}"
+        );
+    }
 }

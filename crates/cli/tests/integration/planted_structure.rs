@@ -188,6 +188,8 @@ impl Gate {
         assert_eq!(new, lines, "{proposals:#?}");
         let (code, said) = self.call(&["refine", ".", "--accept", "1"]);
         assert!(code < 2, "{said}");
+        let ledger = support::read(&self.folder.path().join("ledger.toml"));
+        assert!(ledger.contains("chosen = ["), "{ledger}");
         let (code, said) = self.call(&["run", "."]);
         assert!(code < 2, "{said}");
         let left = self.suspects();

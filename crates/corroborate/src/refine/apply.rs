@@ -1,11 +1,12 @@
 //! Accepted proposals become files and entries of the ledger.
 
-use super::ledger_text::{Names, NewEntry, SetTo, calibrated};
-use super::proposal::{Asset, Change, Fitted, Proposal, is_of_structure, of_model};
+use super::ledger_text::{Names, NewEntry, SetTo};
+use super::lineage::{declare, with_choices};
+use super::proposal::{Asset, Change, Proposal, is_of_structure, of_model};
 use super::solver::Solver;
 use super::texts;
 use diagnostic::Problem;
-use evidence::StudyResult;
+use evidence::{Calibration, StudyResult};
 use host::files::{write_prism, write_text};
 use refinement::{Changed, Exchange, ModelChange, SetConstant};
 use schemars::JsonSchema;
@@ -47,6 +48,8 @@ struct Step {
 impl Applier<'_> {
     /// Changes models and forms as accepted, and writes the ledger.
     pub fn apply(&self, accepted: &[&Proposal]) -> Result<Vec<Applied>, Problem> {
+        // The ledger first: a change without its lineage would pass for corroboration.
+        declare(self.study, accepted)?;
         let mut by_entry: BTreeMap<&str, Vec<&ModelChange>> = BTreeMap::new();
         let mut applied = Vec::new();
         for proposal in accepted {
@@ -63,16 +66,8 @@ impl Applier<'_> {
                     let make = |text: &str| change.make(text);
                     applied.push(self.in_place(&file, proposal, &make)?);
                 }
-                Change::Value {
-                    file,
-                    value,
-                    fitted,
-                } => {
+                Change::Value { file, value, .. } => {
                     let make = |text: &str| value.make(text);
-                    // The ledger first: a number without its lineage would pass for corroboration.
-                    if let Some(fitted) = fitted {
-                        self.declare(fitted)?;
-                    }
                     applied.push(self.in_place(file, proposal, &make)?);
                 }
                 Change::Whole { file, old, new } => {
@@ -90,7 +85,8 @@ impl Applier<'_> {
         }
         for (id, changes) in by_entry {
             let entry = self.study.entry(id)?;
-            applied.extend(self.refine_model(entry, &changes)?);
+            let chosen = with_choices(entry, accepted);
+            applied.extend(self.refine_model(entry, &changes, &chosen)?);
         }
         Ok(applied)
     }
@@ -111,44 +107,6 @@ impl Applier<'_> {
             file: file.to_owned(),
             what: proposal.title.clone(),
         })
-    }
-
-    /// Writes into an entry of the ledger whose counts a number of it was solved for.
-    fn declare(&self, fitted: &Fitted) -> Result<(), Problem> {
-        let position = |id: &str| self.study.ledger.iter().position(|it| it.id == id);
-        let (own, from) = (position(&fitted.entry), position(&fitted.from));
-        let place = own.unwrap_or_default().to_string();
-        let entry = self.study.entry(&fitted.entry)?;
-        let mut set_to = SetTo::of(entry);
-        set_to.retain(|it| it.name != fitted.name);
-        set_to.push(SetTo {
-            key: "parameter",
-            name: fitted.name.clone(),
-            from: fitted.from.clone(),
-            subject: fitted.subject.clone(),
-            held: false,
-            is_complement: false,
-        });
-        let path = self.study.folder.join("ledger.toml");
-        let source = host::files::read_source(&path)?;
-        let mut text = source.text.clone();
-        let known = study::placed::value_place(&source, &["evidence", &place, "calibrated"]);
-        let written = calibrated(&set_to);
-        match entry.calibrated.is_empty() {
-            false => text.replace_range(known, written.trim_start_matches("calibrated = ")),
-            true => {
-                let id = study::placed::value_place(&source, &["evidence", &place, "id"]);
-                let end = text[id.end..]
-                    .find('\n')
-                    .map_or(text.len(), |at| id.end + at);
-                text.insert_str(end, &format!("\n{written}"));
-            }
-        }
-        // What it was set to has to stand before it.
-        if from > own {
-            text = moved_to_the_end(&text, own.unwrap_or_default());
-        }
-        write_text(&path, &text, &path)
     }
 
     /// Changes several files in their places: all are made before the first is written.
@@ -179,6 +137,7 @@ impl Applier<'_> {
         &self,
         entry: &Entry,
         changes: &[&ModelChange],
+        chosen: &[Calibration],
     ) -> Result<Vec<Applied>, Problem> {
         let Some(model) = entry.work.model() else {
             return Ok(Vec::new());
@@ -203,7 +162,7 @@ impl Applier<'_> {
             let step = self.step(model, &last.text, last.set_to.clone(), &next)?;
             steps.push(step);
         }
-        self.write_models(entry, model, &steps)
+        self.write_models((entry, chosen), model, &steps)
     }
 
     /// Makes changes one after the other on one text.
@@ -254,7 +213,7 @@ impl Applier<'_> {
 
     fn write_models(
         &self,
-        entry: &Entry,
+        (entry, chosen): (&Entry, &[Calibration]),
         model: &Path,
         steps: &[Step],
     ) -> Result<Vec<Applied>, Problem> {
@@ -275,6 +234,7 @@ impl Applier<'_> {
                 intermediate: place + 1 < steps.len(),
                 changed: format!("{what}."),
                 set_to: step.set_to.clone(),
+                chosen: chosen.to_vec(),
             };
             entries.push_str(&new.text());
             applied.push(Applied {
@@ -288,21 +248,6 @@ impl Applier<'_> {
         append_to_ledger(self.study, &entries)?;
         Ok(applied)
     }
-}
-
-/// A ledger with one of its entries behind all others.
-fn moved_to_the_end(text: &str, place: usize) -> String {
-    let heads = || text.match_indices("[[evidence]]").map(|(at, _)| at);
-    // A head stands at the beginning of a line.
-    let heads: Vec<usize> = heads()
-        .filter(|at| *at == 0 || text[..*at].ends_with('\n'))
-        .collect();
-    // The last one stands there already.
-    let (Some(start), Some(end)) = (heads.get(place), heads.get(place + 1).copied()) else {
-        return text.to_owned();
-    };
-    let (before, entry, behind) = (&text[..*start], &text[*start..end], &text[end..]);
-    format!("{before}{}\n\n{}\n", behind.trim_end(), entry.trim_end())
 }
 
 /// Puts entries behind those of the ledger.
@@ -322,19 +267,4 @@ fn refused(what: &str, reason: &str) -> Problem {
         format!("{} cannot be changed: {reason}", what.replace('_', " ")),
     )
     .remedy("accept the proposals one after the other, and look at each diff")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::moved_to_the_end;
-
-    #[test]
-    fn an_entry_goes_behind_the_others_with_all_its_lines() {
-        let text = "# [[evidence]]\n[[evidence]]\nid = \"A\"\n\n[[evidence]]\nid = \"B\"\n";
-        assert_eq!(
-            moved_to_the_end(text, 0),
-            "# [[evidence]]\n[[evidence]]\nid = \"B\"\n\n[[evidence]]\nid = \"A\"\n"
-        );
-        assert_eq!(moved_to_the_end(text, 1), text);
-    }
 }

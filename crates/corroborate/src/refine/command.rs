@@ -154,6 +154,8 @@ pub(super) fn of_command(
         ),
         file: first.clone(),
         also: also.to_vec(),
+        chosen: Vec::new(),
+        rivals: Vec::new(),
         diff: String::new(),
         effects: Vec::new(),
         tried,
@@ -701,6 +703,7 @@ impl<'a> Fitting<'a> {
             intermediate: false,
             changed: format!("{what}."),
             set_to,
+            chosen: entry.chosen.clone(),
         };
         append_to_ledger(self.study, &new.text())?;
         Ok(Applied {

@@ -124,6 +124,8 @@ impl FormOffer {
             reason: self.reason,
             file: FILE.into(),
             also: Vec::new(),
+            chosen: Vec::new(),
+            rivals: Vec::new(),
             diff,
             effects: self.effects,
             tried: Trial::default(),

@@ -1,6 +1,6 @@
 //! New entries of a ledger, as text that is put behind the old ones.
 
-use evidence::Subject;
+use evidence::{Calibration, Subject};
 use std::fmt::Write;
 use std::path::Path;
 use study::{Entry, Study};
@@ -123,6 +123,8 @@ pub struct NewEntry {
     pub changed: String,
     /// What was set to whose counts.
     pub set_to: Vec<SetTo>,
+    /// For what evidence its texts were chosen.
+    pub chosen: Vec<Calibration>,
 }
 
 impl NewEntry {
@@ -147,20 +149,20 @@ impl NewEntry {
             writeln!(text, "intermediate = true")?;
         }
         writeln!(text, "changed = {}", quoted(&self.changed))?;
-        if self.set_to.is_empty() {
-            return Ok(());
+        if !self.set_to.is_empty() {
+            writeln!(text, "{}", calibrated(&self.set_to))?;
         }
-        writeln!(text, "{}", calibrated(&self.set_to))
+        if !self.chosen.is_empty() {
+            writeln!(text, "{}", chosen(&self.chosen))?;
+        }
+        Ok(())
     }
 }
 
 /// The lineage of an entry, as TOML without a line break at its end.
 pub fn calibrated(set_to: &[SetTo]) -> String {
     let lines = set_to.iter().map(|it| {
-        let kind = match &it.subject {
-            Subject::Requirement(_) => "requirement",
-            Subject::FailureMode(_) => "failure_mode",
-        };
+        let kind = kind(&it.subject);
         let held = if it.held { ", held = true" } else { "" };
         let complement = if it.is_complement {
             ", complement = true"
@@ -176,6 +178,27 @@ pub fn calibrated(set_to: &[SetTo]) -> String {
         )
     });
     format!("calibrated = [\n{}]", lines.collect::<String>())
+}
+
+/// For what evidence an entry's texts were chosen, as TOML without a line break at its end.
+pub fn chosen(all: &[Calibration]) -> String {
+    let lines = all.iter().map(|it| {
+        format!(
+            "    {{ what = {}, from = {}, {} = {} }},\n",
+            quoted(&it.parameter),
+            quoted(&it.from),
+            kind(&it.subject),
+            quoted(it.subject.id())
+        )
+    });
+    format!("chosen = [\n{}]", lines.collect::<String>())
+}
+
+fn kind(subject: &Subject) -> &'static str {
+    match subject {
+        Subject::Requirement(_) => "requirement",
+        Subject::FailureMode(_) => "failure_mode",
+    }
 }
 
 /// A string as TOML writes it.

@@ -7,6 +7,7 @@ pub use offered::Offered;
 
 use super::command::CommandFit;
 use super::ledger_text::Names;
+use super::lineage::ChosenFor;
 use super::one_value::OneValue;
 use super::simulator::Recalibration;
 use super::solver::Solver;
@@ -47,6 +48,11 @@ pub struct Proposal {
     pub tried: Trial,
     /// What has to be known before it is accepted.
     pub notes: Vec<String>,
+    /// With what evidence agreement is a fit once it is made, as the ledger then says; numbers that are set to counts have their own
+    /// lineage.
+    pub chosen: Vec<ChosenFor>,
+    /// The numbers of other proposals that make the same evidence agree: the evidence does not tell which is right.
+    pub rivals: Vec<usize>,
     /// Whether `--all` leaves it open: it decides what a text means, makes other evidence conflict, or fixes nothing.
     pub needs_decision: bool,
     /// What is done.
@@ -374,6 +380,8 @@ pub fn model_proposal(
         diff: unified(&old, &new, asset.text, &changed.text),
         file: old,
         also: Vec::new(),
+        chosen: Vec::new(),
+        rivals: Vec::new(),
         effects: effects(result, before, &changed.values, &mode, counts),
         tried,
         notes,

@@ -104,15 +104,16 @@ pub fn refine(
     let mut offered = offered(&study, &before, &solver, host)?;
     // What was interrupted is no answer: a number that was not solved for would be said to have no value.
     host.go_on()?;
+    let is_wanted = |it: &Proposal| request.suspect.is_none() || it.suspect == request.suspect;
     if let Some(suspect) = request.suspect {
         known_suspect(&before, suspect)?;
-        offered
-            .proposals
-            .retain(|proposal| proposal.suspect == Some(suspect));
     }
     if request.fit {
-        offered.fit(&study, &before, host)?;
+        offered.fit(&study, &before, &is_wanted, host)?;
     }
+    // What names other proposals by their numbers comes when these stay.
+    offered.finish(&before);
+    offered.proposals.retain(is_wanted);
     let accepted = accepted(&request.accept, &offered.proposals)?;
     let applier = Applier {
         study: &study,

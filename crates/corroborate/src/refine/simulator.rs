@@ -100,6 +100,8 @@ fn proposal(
         reason,
         file: parameters.display().to_string(),
         also: Vec::new(),
+        chosen: Vec::new(),
+        rivals: Vec::new(),
         diff: String::new(),
         effects: Vec::new(),
         tried: refinement::Trial::default(),
@@ -189,14 +191,20 @@ impl Recalibration {
             assets.push(("episodes", i64::try_from(episodes).unwrap_or(100).into()));
         }
         let all = self.parameters.join(", ");
-        let set_to = self.fit.iter().map(|mode| SetTo {
+        // What is not fitted again rests on what it was set to.
+        let mut set_to = SetTo::of(entry);
+        set_to.retain(|old| {
+            let mut names = old.name.split(", ");
+            names.any(|name| !self.parameters.iter().any(|it| it == name))
+        });
+        set_to.extend(self.fit.iter().map(|mode| SetTo {
             key: "parameter",
             name: all.clone(),
             from: self.from.clone(),
             subject: Subject::FailureMode(mode.clone()),
             held: false,
             is_complement: false,
-        });
+        }));
         NewEntry {
             id,
             title: format!("{}, fitted", entry.title),
@@ -208,7 +216,8 @@ impl Recalibration {
                 "Of the simulation of {}, {all} are fitted to {}.",
                 entry.id, self.from
             ),
-            set_to: set_to.collect(),
+            set_to,
+            chosen: entry.chosen.clone(),
         }
     }
 }

@@ -23,7 +23,7 @@ use refinement::{FormChange, Model, Offer, Ranked, TextChange, Trial, unified};
 use std::path::{Path, PathBuf};
 use study::{Simulated, Study};
 
-/// All that is offered for a study's result.
+/// All that is offered for a study's result, without what one offer means for another ([`Offered::finish`]).
 pub fn offered(
     study: &Study,
     result: &StudyResult,
@@ -89,13 +89,6 @@ pub fn offered(
     }
     of_forms(study, result, &mut offered);
     offered.in_order(result.suspected());
-    let touched = result.suspected().iter();
-    let touched: Vec<(u32, &[Subject])> = touched
-        .map(|it| (it.rank, it.subjects.as_slice()))
-        .collect();
-    offered.await_exchanges(&touched);
-    offered.await_edits(result.suspected());
-    offered.await_branches();
     Ok(offered)
 }
 
@@ -371,6 +364,8 @@ pub(super) fn of(suspect: &Suspect, change: Change) -> Proposal {
         diff: String::new(),
         effects: Vec::new(),
         notes: Vec::new(),
+        chosen: Vec::new(),
+        rivals: Vec::new(),
         tried: Trial::default(),
         needs_decision: false,
         change,

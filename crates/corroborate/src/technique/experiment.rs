@@ -36,7 +36,7 @@ use evidence::{
     AssetRole, Cost, Denominator, Finding, Measure, Subject, Technique, Tool, WitnessOf,
 };
 use host::store::Inputs;
-use placed::{in_row, table_problem};
+use placed::{RowPlace, in_row, table_problem};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use study::{Binding, Study, SubjectForm, TableFiles};
@@ -77,6 +77,8 @@ struct VerdictRow {
     undecided: u64,
     /// Whether the number of trials was chosen by looking at them.
     is_stopped: bool,
+    /// None of what no table counts.
+    place: Option<RowPlace>,
 }
 
 #[derive(Debug)]
@@ -84,6 +86,7 @@ struct ModeRow {
     mode: String,
     occurrences: u64,
     opportunities: u64,
+    place: RowPlace,
 }
 
 impl Tables {
@@ -216,6 +219,7 @@ impl Tables {
                 passed: one.passed,
                 undecided: one.unknown,
                 is_stopped: false,
+                place: None,
             });
         }
         self.of_runs = counted;
@@ -408,25 +412,31 @@ impl Tables {
             let other = match form.subject {
                 Subject::Requirement(_) => {
                     let row = self.requirements.iter().find(|r| r.requirement == id);
-                    row.map(|r| r.passed)
+                    row.map(|r| (r.passed, r.place.as_ref()))
                 }
                 Subject::FailureMode(_) => {
                     let row = self.failure_modes.iter().find(|r| r.mode == id);
-                    row.map(|r| r.occurrences)
+                    row.map(|r| (r.occurrences, Some(&r.place)))
                 }
             };
-            if let Some(other) = other
+            if let Some((other, place)) = other
                 && other != total
             {
                 let cohort = self
                     .cohort
                     .as_ref()
                     .map_or("the cohort", |c| c.table.name());
-                return Err(Problem::new(
+                let problem = Problem::new(
                     "tables-disagree",
-                    format!("{cohort} counts {total} for `{id}`, another table of the same evidence {other}"),
-                )
-                .remedy("correct the table that is wrong"));
+                    format!(
+                        "{other} are counted for `{id}` here, and {total} by {cohort}, a table of the same evidence"
+                    ),
+                );
+                let problem = match place {
+                    Some(place) => place.of(problem),
+                    None => problem,
+                };
+                return Err(problem.remedy("correct the table that is wrong"));
             }
         }
         Ok(())
@@ -497,15 +507,16 @@ impl Cohort {
         let total = attempts
             .iter()
             .try_fold(0_u64, |sum, n| sum.checked_add(*n));
-        if !total.is_some_and(|total| (1..=MOST_TRIALS).contains(&total)) {
-            return Err(Problem::new(
-                "bad-counts",
-                format!(
-                    "{}: the column \"attempts\" has no usable sum",
-                    table.name()
-                ),
-            )
-            .remedy("there must be at least one attempt and at most 10^12"));
+        let wrong = match total {
+            _ if attempts.is_empty() => Some("the table has headers and no rows"),
+            Some(0) => Some("the column \"attempts\" has nothing but zeros"),
+            Some(total) if total <= MOST_TRIALS => None,
+            Some(_) | None => Some("the column \"attempts\" sums to more than 10^12"),
+        };
+        if let Some(wrong) = wrong {
+            return Err(RowPlace::head(&table)
+                .of(Problem::new("bad-counts", wrong))
+                .remedy("there must be at least one attempt and at most 10^12"));
         }
         if let Some(first) = table.columns().next() {
             check_unique(&table, &first.as_texts())?;
@@ -635,6 +646,7 @@ fn verdict_rows(study: &Study, table: &Table) -> Result<Vec<VerdictRow>, Problem
             covered: covered[row],
             passed: passed[row],
             undecided: undecided[row],
+            place: Some(RowPlace::new(table, row)),
             is_stopped: match stopped[row].trim() {
                 "yes" => true,
                 "no" => false,
@@ -670,6 +682,7 @@ fn mode_rows(study: &Study, table: &Table) -> Result<Vec<ModeRow>, Problem> {
             mode: (*id).to_owned(),
             occurrences: occurrences[row],
             opportunities: opportunities[row],
+            place: RowPlace::new(table, row),
         });
     }
     Ok(rows)

@@ -196,7 +196,8 @@ pub struct Undecided {
     pub plans: Vec<DecisionPlan>,
 }
 
-/// Plans for every inconclusive comparison, in their order; each names its further trials from then on.
+/// Plans for every inconclusive comparison, in their order; each names its further trials from then on. Pairs with evidence of one
+/// person, session or other cluster alone have none.
 ///
 /// `comparisons` are those of [`crate::compare()`] on the same study.
 pub fn undecided(
@@ -206,7 +207,17 @@ pub fn undecided(
 ) -> Vec<Undecided> {
     let levels = Conflicts::new(study, comparisons);
     let open = comparisons.iter_mut();
-    let open = open.filter(|comparison| comparison.outcome == Outcome::Inconclusive);
+    let open = open.filter(|it| it.outcome == Outcome::Inconclusive);
+    // More trials of the same one decide nothing of others.
+    let of_one: Vec<&str> = (study.evidence.iter())
+        .filter(|piece| piece.is_of_one_subject())
+        .map(|piece| piece.id.as_str())
+        .collect();
+    let open = open.filter(|it| {
+        ![&it.left, &it.right]
+            .iter()
+            .any(|id| of_one.contains(&id.as_str()))
+    });
     open.filter_map(|comparison| plans(study, comparison, costs, &levels))
         .collect()
 }

@@ -7,7 +7,8 @@
 //! way round; or when both are failure modes and a model shows that its constant for C moves S. Where counts of a simulation are
 //! sources, what the simulation was set to is, too, unless a model shows that it plays no part: its runs rest on each of its numbers. Two pieces of evidence are independent on S when neither is among the other's
 //! sources, they have no source in common, and no file of data either (`shared_data`), declared or not, and neither looks
-//! copied from the other (`questions`), until the ledger says that it is not.
+//! copied from the other (`questions`), until the ledger says that it is not. A change of a text that was chosen because then evidence
+//! agrees counts as a calibration on it ([`Calibration::chosen`]).
 //!
 //! Which failure modes make runs fail which requirement is learnt from formal models with
 //! uncertain constants: a constant that was set to a failure mode's count and takes less than
@@ -50,7 +51,8 @@ impl Influences {
                 if !varies(&finding.measure) {
                     shares.extend(carried.iter().map(|constant| (*constant, 0.0)));
                 }
-                for calibration in &piece.calibrated {
+                // A change of a text has no share of a variance, which tells nothing.
+                for calibration in piece.calibrated.iter().filter(|it| !it.chosen) {
                     let Subject::FailureMode(mode) = &calibration.subject else {
                         continue;
                     };
@@ -187,8 +189,19 @@ fn shares_of<'e>(
 /// A source: evidence and what was counted in it.
 type Source = (String, Subject);
 
-/// Sources, each with the evidence and the parameter that were set to it.
-type Sources = BTreeMap<Source, BTreeSet<(String, String)>>;
+/// What was set to a source, or chosen for it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Taken {
+    /// By which evidence.
+    holder: String,
+    /// The parameter, or the change in words.
+    what: String,
+    /// Whether it is a change of a text.
+    chosen: bool,
+}
+
+/// Sources, each with what was set to it.
+type Sources = BTreeMap<Source, BTreeSet<Taken>>;
 
 /// The calibrations of a ledger, with what is known of their bearing.
 pub(crate) struct Lineage<'a> {
@@ -325,7 +338,11 @@ impl<'a> Lineage<'a> {
             };
             for calibration in bearing {
                 let source = (calibration.from.clone(), calibration.subject.clone());
-                let taken = (holder.clone(), calibration.parameter.clone());
+                let taken = Taken {
+                    holder: holder.clone(),
+                    what: calibration.parameter.clone(),
+                    chosen: calibration.chosen,
+                };
                 found.entry(source.clone()).or_default().insert(taken);
                 if seen.insert(source.clone()) {
                     open.push(source);
@@ -359,18 +376,27 @@ impl<'a> Lineage<'a> {
 
 /// Which parameters of whom were set to counts of `from`, in words.
 fn taken_from(sources: &Sources, from: &str) -> Option<String> {
-    let mut by_holder: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    let mut by_holder: BTreeMap<(&str, bool), BTreeSet<&str>> = BTreeMap::new();
     for ((_, _), takers) in sources.iter().filter(|((id, _), _)| id == from) {
-        for (holder, parameter) in takers {
-            by_holder.entry(holder).or_default().insert(parameter);
+        for taken in takers {
+            let of_holder = by_holder.entry((&taken.holder, taken.chosen));
+            of_holder.or_default().insert(&taken.what);
         }
     }
     let sentences: Vec<String> = by_holder
         .into_iter()
-        .map(|(holder, parameters)| {
-            let parameters: Vec<String> =
-                parameters.into_iter().map(|p| format!("`{p}`")).collect();
-            format!("{holder} takes {} from {from}", list(&parameters))
+        .map(|((holder, chosen), all)| {
+            let all = |mark: &str| -> String {
+                let all = all.iter().map(|it| format!("{mark}{it}{mark}"));
+                list(&all.collect::<Vec<_>>())
+            };
+            match chosen {
+                false => format!("{holder} takes {} from {from}", all("`")),
+                true => format!(
+                    "{} was chosen in {holder} because then {from} agrees",
+                    all("\"")
+                ),
+            }
         })
         .collect();
     (!sentences.is_empty()).then(|| list(&sentences))
@@ -402,6 +428,7 @@ mod tests {
             parameter: "constant".to_owned(),
             from: (*from).to_owned(),
             subject: subject.clone(),
+            chosen: false,
         });
         Evidence {
             id: id.to_owned(),

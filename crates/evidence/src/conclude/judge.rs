@@ -119,8 +119,16 @@ impl<'a> Asked<'a> {
 
     /// Independent current pieces that are shown to differ.
     pub fn apart(&self) -> Apart {
+        let is_of_one = |id: &str| {
+            let mut pieces = self.pieces.iter().map(|it| it.evidence);
+            pieces.any(|it| it.id == id && it.is_of_one_subject())
+        };
         let of = |wanted: &dyn Fn(&Comparison) -> bool| {
             let all = self.among.iter();
+            // How one person, session or other cluster differs is said of this one.
+            let all = all.filter(|it| {
+                !is_of_one(&it.left) && !is_of_one(&it.right) || it.outcome == Outcome::Conflicts
+            });
             // Runs with the same draws differ by what draws them not alike: the more a difference.
             all.filter(|it| wanted(it) && (it.independent || it.paired))
                 .map(|it| (it.left.clone(), it.right.clone()))

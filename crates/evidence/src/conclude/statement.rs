@@ -8,8 +8,8 @@ use super::words;
 use crate::compare::Belief;
 use crate::compare::words::{list, percent, points};
 use crate::{
-    Calibration, Direction, Evidence, Excluded, ExclusionReason, Measure, Outcome, Standing, Step,
-    Verdict,
+    Calibration, Direction, Evidence, Excluded, ExclusionReason, Measure, Outcome, Relation,
+    Standing, Step, Verdict,
 };
 use std::collections::BTreeSet;
 
@@ -177,16 +177,22 @@ impl Statement<'_> {
         })
     }
 
+    /// Differences beyond the margin that are shown: conflicts, and such as are of one person, session or other cluster alone.
     fn conflicts(&self) -> Vec<String> {
-        let conflicts = self.asked.among.iter();
-        conflicts
-            .filter(|comparison| comparison.outcome == Outcome::Conflicts)
+        let different = self.asked.among.iter();
+        different
+            .filter(|it| it.relation == Some(Relation::Different))
             .map(|it| {
                 let size = points(it.difference.unwrap_or(0.0).abs());
-                format!(
-                    "{} and {} conflict: they differ by {size}.",
-                    it.left, it.right
-                )
+                let (left, right) = (&it.left, &it.right);
+                match it.outcome {
+                    Outcome::Conflicts => {
+                        format!("{left} and {right} conflict: they differ by {size}.")
+                    }
+                    _ => format!(
+                        "{left} and {right} differ by {size}, beyond chance, which is said of one alone and is not a conflict."
+                    ),
+                }
             })
             .collect()
     }
@@ -371,9 +377,23 @@ fn set_to_counts(piece: &Evidence) -> Vec<String> {
         let mut sources = spreads.flat_map(|it| it.constant.split(", "));
         sources.any(|name| name == parameter)
     };
+    let (chosen, numbers): (Vec<&Calibration>, Vec<&Calibration>) =
+        piece.calibrated.iter().partition(|one| one.chosen);
     let (carried, left): (Vec<&Calibration>, Vec<&Calibration>) =
-        (piece.calibrated.iter()).partition(|one| is_in_a_figure(&one.parameter));
+        (numbers.into_iter()).partition(|one| is_in_a_figure(&one.parameter));
     let mut sentences = Vec::new();
+    if !chosen.is_empty() {
+        let from: BTreeSet<&str> = chosen.iter().map(|one| one.from.as_str()).collect();
+        let from: Vec<String> = from.into_iter().map(str::to_owned).collect();
+        let what: BTreeSet<&str> = chosen.iter().map(|one| one.parameter.as_str()).collect();
+        let what: Vec<String> = what.into_iter().map(|it| format!("\"{it}\"")).collect();
+        sentences.push(format!(
+            "In {} {} was chosen because it agrees with {}: that other choices would fit, too, is not in its figure.",
+            piece.id,
+            list(&what),
+            list(&from)
+        ));
+    }
     if !left.is_empty() {
         let (were, they) = match left.len() {
             1 => ("was", "it"),

@@ -277,6 +277,16 @@ impl Suspect {
             && by.is_some_and(|by| self.asset.evidence.contains(by))
     }
 
+    /// What has resolved it: words before the evidence that has, its identifier, and words behind it.
+    #[must_use]
+    pub fn resolution(&self) -> Option<(&'static str, &str, &'static str)> {
+        let by = self.resolved_by.as_deref()?;
+        Some(match self.differs_from_what_it_replaced() {
+            true => ("from evidence that ", by, " replaces"),
+            false => ("fixed in ", by, ""),
+        })
+    }
+
     /// Whether what speaks against it is strong evidence: [`STRONG`] or more.
     #[must_use]
     pub fn is_strong(&self) -> bool {

@@ -457,6 +457,7 @@ fn weights_are_declared_and_left_out_pieces_are_named() {
         parameter: "friction".into(),
         from: "E".into(),
         subject: subject(0),
+        chosen: false,
     }];
     let asked = requirements(1, 0.2, 1.0);
     with_study(&ledger, &asked, |study| {

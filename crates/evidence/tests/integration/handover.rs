@@ -117,6 +117,7 @@ fn calibrated(mut evidence: Evidence, from: &[(&str, &str, &str)]) -> Evidence {
             parameter: parameter.to_owned(),
             from: from.to_owned(),
             subject: mode(id),
+            chosen: false,
         })
         .collect();
     evidence

@@ -105,8 +105,8 @@ fn a_failure_of_one_person_refutes_certainty() {
     assert_eq!(conclusion.verdict, Verdict::Violated, "{conclusion:?}");
 }
 
-/// Beside trials with several people they neither share the level nor take their place; that both conflict is still said;
-/// and under other conditions they refute nothing.
+/// Beside trials with several people they neither share the level nor take their place; that they differ is said of this one, and
+/// decides nothing; and under other conditions they refute nothing.
 #[test]
 fn one_person_does_not_stand_beside_several() {
     let several = piece("F", Technique::Experiment, vec![(0, counts(97, 100))]);
@@ -116,7 +116,9 @@ fn one_person_does_not_stand_beside_several() {
     assert_eq!(own(&alone), own(&both));
     assert_eq!(both.verdict, alone.verdict, "{both:?}");
     let apart = judged(&[of_one("E", 20, 400, None), several.clone()], 0.9).conclusion;
-    assert_eq!(apart.verdict, Verdict::Conflicting, "{apart:?}");
+    assert_eq!(apart.verdict, alone.verdict, "{apart:?}");
+    let said = "E and F differ by 92 points, beyond chance, which is said of one alone and is not a conflict.";
+    assert!(apart.statement.contains(said), "{}", apart.statement);
 
     let mut elsewhere = of_one("E", 20, 400, None);
     elsewhere.conditions = "wet".into();
@@ -266,4 +268,36 @@ fn simulated_runs_of_one_cluster_carry_nothing_over_to_the_system() {
     };
     assert_eq!(step(Some("one task is all")), Some(Step::Corroborated));
     assert_eq!(step(None), None);
+}
+
+/// What one person did differs from a model beyond chance: a relation that is shown of this one, and neither a conflict nor, where
+/// they are alike, corroboration. A model that excludes what one did is refuted by it.
+#[test]
+fn what_is_shown_of_one_person_is_no_outcome_between_evidence() {
+    let compared = |count, known, because| {
+        let model = piece("M", Technique::ModelChecking, vec![(0, exact(known))]);
+        let found = judged(&[model, of_one("E", count, 400, because)], 0.9);
+        found.comparisons[0].clone()
+    };
+    let apart = compared(200, 0.97, None);
+    assert_eq!(
+        (apart.relation, apart.outcome),
+        (Some(Relation::Different), Outcome::Inconclusive),
+        "{apart:?}"
+    );
+    let said = "This is not a conflict: all trials of E are of one person or session alone, and how others go is not known.";
+    assert!(apart.reason.contains(said), "{}", apart.reason);
+    let alike = compared(388, 0.97, None);
+    assert_eq!(alike.outcome, Outcome::Inconclusive, "{alike:?}");
+    assert!(
+        alike.reason.contains("This is not corroboration"),
+        "{}",
+        alike.reason
+    );
+
+    let outcome = |count, known, because| compared(count, known, because).outcome;
+    assert_eq!(outcome(200, 1.0, None), Outcome::Conflicts);
+    let because = Some("the arm works alone");
+    assert_eq!(outcome(200, 0.97, because), Outcome::Conflicts);
+    assert_eq!(outcome(388, 0.97, because), Outcome::Corroborates);
 }

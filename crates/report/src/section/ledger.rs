@@ -71,14 +71,17 @@ fn entry(view: View, evidence: &Evidence) -> Markup {
 
 fn calibrations(view: View, evidence: &Evidence) -> Markup {
     html! {
-        @if !evidence.calibrated.is_empty() {
-            div { dt { "Tuned to" } dd {
-                @for (i, calibration) in evidence.calibrated.iter().enumerate() {
-                    @if i > 0 { "; " }
-                    (view.link(&calibration.from)) ", " (view.short_title(&calibration.subject))
-                    ": " code { (calibration.parameter) }
-                }
-            } }
+        @for (head, chosen) in [("Tuned to", false), ("Chosen to agree with", true)] {
+            @let of_kind = evidence.calibrated.iter().filter(|it| it.chosen == chosen);
+            @if of_kind.clone().next().is_some() {
+                div { dt { (head) } dd {
+                    @for (i, calibration) in of_kind.enumerate() {
+                        @if i > 0 { "; " }
+                        (view.link(&calibration.from)) ", " (view.short_title(&calibration.subject)) ": "
+                        @if chosen { (calibration.parameter) } @else { code { (calibration.parameter) } }
+                    }
+                } }
+            }
         }
     }
 }

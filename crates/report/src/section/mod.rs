@@ -1,5 +1,6 @@
 //! The sections of the page, one file each, in the order of reading.
 
+pub mod answers;
 pub mod assurance;
 pub mod comparisons;
 pub mod cost;

@@ -44,7 +44,7 @@ fn item(view: View, suspect: &Suspect) -> Markup {
         article class="suspect" id={ "suspect-" (suspect.rank) } {
             p class="kind" {
                 (words::inaccuracy(suspect.inaccuracy))
-                @match words::resolution(suspect) {
+                @match suspect.resolution() {
                     Some((before, id, behind)) => span class="status" { (before) (view.link(id)) (behind) },
                     None => span class="status open" { "still open" },
                 }

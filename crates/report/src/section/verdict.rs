@@ -145,7 +145,7 @@ fn first_suspects(view: View, suspects: &[Suspect]) -> Markup {
                         a href={ "#suspect-" (suspect.rank) } { (suspect.title) }
                         span class="small" {
                             " " (words::inaccuracy(suspect.inaccuracy))
-                            @match words::resolution(suspect) {
+                            @match suspect.resolution() {
                                 Some((before, id, behind)) => { ", " (before) (view.link(id)) (behind) },
                                 None => ", still open",
                             }

@@ -130,13 +130,14 @@ fn every_figure_that_is_not_over_all_runs_says_over_which() {
 }
 
 #[test]
-fn the_verdict_comes_before_everything_else() {
+fn the_answers_come_before_everything_else() {
     let page = report::html(&fixture::study());
     let place = |id: &str| {
         page.find(&format!("<section id=\"{id}\""))
             .unwrap_or_else(|| panic!("no section {id}"))
     };
     let order = [
+        "answers",
         "verdict",
         "matrix",
         "forest",

@@ -382,3 +382,45 @@ fn a_count_that_misses_its_threshold_is_drawn_against_the_goal() {
     let defeated = argument.nodes.iter().filter(|node| node.defeated);
     assert!(defeated.count() > 1);
 }
+
+/// The first answer says yes, no and not yet exactly where the verdicts do; none of the five names what is not there.
+#[test]
+fn answers_say_what_the_verdicts_say() {
+    let (mut said_yes, mut said_no) = (0, 0);
+    for seed in 0..STUDIES {
+        let study = drawn(seed);
+        let [met, not_met, sure, untested, next] = report::answers(&study);
+        let all = &study.conclusions;
+        let of = |wanted: Verdict| all.iter().filter(move |it| it.verdict == wanted);
+        let is_yes = all.iter().all(Conclusion::is_enough) && study.open_conflicts().is_empty();
+        let is_no = of(Verdict::Violated).any(|it| it.step >= Some(Step::Corroborated));
+        assert_eq!(met.short.starts_with("Yes, "), is_yes, "{seed}: {met:?}");
+        assert_eq!(met.short.starts_with("No: "), is_no, "{seed}: {met:?}");
+        said_yes += u64::from(is_yes);
+        said_no += u64::from(is_no);
+
+        let is_calm = of(Verdict::Violated).next().is_none() && study.open_conflicts().is_empty();
+        assert_eq!(not_met.lines.is_empty(), is_calm, "{seed}: {not_met:?}");
+        let decided = of(Verdict::Satisfied).count() + of(Verdict::Violated).count();
+        let is_undecided = sure.short == "Nothing is decided.";
+        assert_eq!(is_undecided, decided == 0, "{seed}: {sure:?}");
+        let is_whole = untested.short.starts_with("No gap");
+        assert_eq!(is_whole, untested.lines.is_empty(), "{seed}: {untested:?}");
+        let is_open = all.iter().any(Conclusion::is_open);
+        if next.short == "Nothing is open." {
+            assert!(
+                !is_open || study.synthesis.deciding.is_empty(),
+                "{seed}: {next:?}"
+            );
+        }
+        for conclusion in all {
+            let id = &conclusion.requirement;
+            let named = met.lines.iter().flatten().filter(|part| match part {
+                report::Part::Link(_, text) => text == id,
+                report::Part::Text(_) => false,
+            });
+            assert_eq!(named.count(), 1, "{seed}: {met:?}");
+        }
+    }
+    assert!(said_yes > 0 || said_no > 0, "neither was drawn");
+}

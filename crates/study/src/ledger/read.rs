@@ -47,6 +47,10 @@ pub(super) struct EntryText {
     /// Which numbers of its assets were set to whose counts.
     #[serde(default)]
     pub(super) calibrated: Vec<CalibratedText>,
+    /// Changes of its texts that were chosen because then other evidence agrees: agreement with that evidence is a fit. `refine` writes
+    /// them; where something else shows that a change is right, say so in `changed` and leave the line out.
+    #[serde(default)]
+    pub(super) chosen: Vec<ChosenText>,
     /// Why a number that looks copied from other evidence was not: one reason for all, or one for each piece of evidence.
     #[schemars(with = "Option<IndependentText>")]
     pub(super) independent: Option<Spanned<IndependentText>>,
@@ -230,6 +234,23 @@ pub(super) struct CalibratedText {
     requirement: Option<Spanned<String>>,
 }
 
+#[derive(JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ChosenText {
+    /// What was changed, in a few words.
+    #[schemars(with = "String")]
+    what: Spanned<String>,
+    /// The evidence that agrees with it, which may stand later in the ledger.
+    #[schemars(with = "String")]
+    from: Spanned<String>,
+    /// The failure mode on which it agrees, or
+    #[schemars(with = "Option<String>")]
+    failure_mode: Option<Spanned<String>>,
+    /// the requirement on which it does.
+    #[schemars(with = "Option<String>")]
+    requirement: Option<Spanned<String>>,
+}
+
 /// The JSON Schema of `ledger.toml`.
 pub(crate) fn schema() -> schemars::Schema {
     schemars::schema_for!(File)
@@ -338,6 +359,10 @@ impl Reader<'_> {
         let calibrated = calibrated
             .filter_map(|c| found.keep(self.calibrated(c, text.id.get_ref(), seen)))
             .collect();
+        let chosen = text.chosen.iter();
+        let chosen = chosen
+            .filter_map(|it| found.keep(self.chosen(it, text.id.get_ref())))
+            .collect();
         let independent = found.keep(self.independent(&text)).unwrap_or_default();
         let undecided_at_random = found.keep(self.undecided_at_random(&text)).flatten();
         let sampling = found.keep(self.sampling(&text)).unwrap_or_default();
@@ -349,6 +374,7 @@ impl Reader<'_> {
             work,
             sampling,
             calibrated,
+            chosen,
             conditions: text.conditions.get_ref().clone(),
             id: text.id.into_inner(),
             title: text.title,
@@ -465,12 +491,13 @@ impl Reader<'_> {
             None => "name an entry of this ledger; what calibrates another must stand before it"
                 .to_owned(),
         };
+        let before = match self.all.contains(id.get_ref()) {
+            true => " before this one",
+            false => "",
+        };
         self.problem(
             "unknown-evidence",
-            format!(
-                "the ledger has no evidence `{}` before this one",
-                id.get_ref()
-            ),
+            format!("the ledger has no evidence `{}`{before}", id.get_ref()),
             id.span(),
             &remedy,
         )
@@ -485,41 +512,8 @@ impl Reader<'_> {
         if !seen.contains(text.from.get_ref()) || text.from.get_ref() == id {
             return Err(self.unknown_evidence(&text.from));
         }
-        let (subject, named) = match (&text.failure_mode, &text.requirement) {
-            (Some(mode), None) => (Subject::FailureMode(mode.get_ref().clone()), mode),
-            (None, Some(requirement)) => (
-                Subject::Requirement(requirement.get_ref().clone()),
-                requirement,
-            ),
-            _ => {
-                return Err(self.problem(
-                    "bad-calibration",
-                    "a calibration needs either a `failure_mode` or a `requirement`".into(),
-                    text.from.span(),
-                    "say which of its counts was taken",
-                ));
-            }
-        };
-        if self.forms.of(&subject).is_none() {
-            let kind = match &subject {
-                Subject::Requirement(_) => "requirement",
-                Subject::FailureMode(_) => "failure mode",
-            };
-            let like = |it: &&crate::SubjectForm| {
-                std::mem::discriminant(&it.subject) == std::mem::discriminant(&subject)
-            };
-            let known = self.forms.subjects.iter().filter(like);
-            let remedy = match did_you_mean(named.get_ref(), known.map(|it| it.subject.id())) {
-                Some(similar) => format!("did you mean `{similar}`?"),
-                None => format!("name a {kind} of requirements.toml"),
-            };
-            return Err(self.problem(
-                "unknown-subject",
-                format!("requirements.toml has no {kind} `{}`", named.get_ref()),
-                named.span(),
-                &remedy,
-            ));
-        }
+        let about = (&text.failure_mode, &text.requirement);
+        let subject = self.counted_subject(&text.from, about)?;
         let parameter = match (&text.parameter, &text.constant) {
             (Some(parameter), None) => parameter.get_ref().clone(),
             (None, Some(constant)) => constant.get_ref().clone(),
@@ -545,6 +539,7 @@ impl Reader<'_> {
                 parameter,
                 from: text.from.get_ref().clone(),
                 subject,
+                chosen: false,
             },
             span: text
                 .constant
@@ -554,6 +549,73 @@ impl Reader<'_> {
             held: text.held,
             is_complement: text.complement,
         })
+    }
+
+    /// A change of a text that was chosen because evidence agrees with it. Nothing is computed from it, so that this evidence may stand
+    /// later in the ledger.
+    fn chosen(&self, text: &ChosenText, id: &str) -> Result<Calibration, Problem> {
+        if !self.all.contains(text.from.get_ref()) || text.from.get_ref() == id {
+            return Err(self.unknown_evidence(&text.from));
+        }
+        if text.what.get_ref().trim().is_empty() {
+            return Err(self.problem(
+                "no-reason",
+                "`chosen` does not say what was changed".into(),
+                text.what.span(),
+                "say it in a few words, for example `what = \"the guard of `wait`\"`",
+            ));
+        }
+        let about = (&text.failure_mode, &text.requirement);
+        Ok(Calibration {
+            parameter: text.what.get_ref().clone(),
+            from: text.from.get_ref().clone(),
+            subject: self.counted_subject(&text.from, about)?,
+            chosen: true,
+        })
+    }
+
+    /// The failure mode or requirement whose counts an entry names.
+    fn counted_subject(
+        &self,
+        from: &Spanned<String>,
+        about: (&Option<Spanned<String>>, &Option<Spanned<String>>),
+    ) -> Result<Subject, Problem> {
+        let (subject, named) = match about {
+            (Some(mode), None) => (Subject::FailureMode(mode.get_ref().clone()), mode),
+            (None, Some(requirement)) => (
+                Subject::Requirement(requirement.get_ref().clone()),
+                requirement,
+            ),
+            _ => {
+                return Err(self.problem(
+                    "bad-calibration",
+                    "what was set or chosen for counts needs either a `failure_mode` or a `requirement`".into(),
+                    from.span(),
+                    "say which of its counts it was",
+                ));
+            }
+        };
+        if self.forms.of(&subject).is_none() {
+            let kind = match &subject {
+                Subject::Requirement(_) => "requirement",
+                Subject::FailureMode(_) => "failure mode",
+            };
+            let like = |it: &&crate::SubjectForm| {
+                std::mem::discriminant(&it.subject) == std::mem::discriminant(&subject)
+            };
+            let known = self.forms.subjects.iter().filter(like);
+            let remedy = match did_you_mean(named.get_ref(), known.map(|it| it.subject.id())) {
+                Some(similar) => format!("did you mean `{similar}`?"),
+                None => format!("name a {kind} of requirements.toml"),
+            };
+            return Err(self.problem(
+                "unknown-subject",
+                format!("requirements.toml has no {kind} `{}`", named.get_ref()),
+                named.span(),
+                &remedy,
+            ));
+        }
+        Ok(subject)
     }
 
     /// The requirement or failure mode of this identifier, which stands beside an event.

@@ -115,6 +115,7 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 28] {
         intermediate: _,
         reproduced_by: _,
         calibrated: _,
+        chosen: _,
         independent: _,
         undecided_at_random: _,
         published: _,

@@ -2,6 +2,8 @@
 
 use super::{Change, Proposal, is_of_structure};
 use crate::refine::command::search;
+use crate::refine::lineage::{chosen_for, note};
+use crate::refine::rivals::tell;
 use diagnostic::Problem;
 use evidence::{StudyResult, Subject, Suspect, Symptom};
 use host::Host;
@@ -29,15 +31,34 @@ impl Offered {
         self.proposals.push(proposal);
     }
 
-    /// Searches for the numbers of commands' files that are offered; what has none is not offered.
+    /// Says what one offer means for another, by their numbers, and with what evidence agreement is a fit once it is made.
+    pub(in crate::refine) fn finish(&mut self, result: &StudyResult) {
+        let suspects = result.suspected();
+        let touched: Vec<(u32, &[Subject])> = suspects
+            .iter()
+            .map(|it| (it.rank, it.subjects.as_slice()))
+            .collect();
+        self.await_exchanges(&touched);
+        self.await_edits(suspects);
+        self.await_branches();
+        self.choose(result);
+        tell(self, suspects);
+    }
+
+    /// Searches for the numbers of commands' files that are offered, of those that are wanted; what has none is not offered.
     pub(in crate::refine) fn fit(
         &mut self,
         study: &Study,
         result: &StudyResult,
+        is_wanted: &dyn Fn(&Proposal) -> bool,
         setting: &Host,
     ) -> Result<(), Problem> {
         let mut kept = Vec::new();
         for mut proposal in std::mem::take(&mut self.proposals) {
+            if !is_wanted(&proposal) {
+                kept.push(proposal);
+                continue;
+            }
             // Where nothing is suspected, a number that is fitted follows chance.
             if proposal.suspect.is_none() && matches!(proposal.change, Change::FitCommand(_)) {
                 continue;
@@ -54,7 +75,7 @@ impl Offered {
 
     /// Leaves open what is set to counts that may be those of something else: an exchange that explains a disagreement better than
     /// what a proposal is for has to be decided on first. `touched` are the ranks of suspects with what they touch.
-    pub(in crate::refine) fn await_exchanges(&mut self, touched: &[(u32, &[Subject])]) {
+    fn await_exchanges(&mut self, touched: &[(u32, &[Subject])]) {
         let exchanges = self.proposals.iter().filter(|it| it.is_exchange());
         let exchanges: Vec<(usize, u32, Vec<Subject>)> = exchanges
             .filter_map(|it| {
@@ -75,9 +96,17 @@ impl Offered {
         }
     }
 
+    /// Says with what evidence agreement is a fit once a change is made.
+    fn choose(&mut self, result: &StudyResult) {
+        for proposal in &mut self.proposals {
+            proposal.chosen = chosen_for(result, proposal);
+            proposal.notes.extend(note(proposal));
+        }
+    }
+
     /// Leaves open what sets a model's number on a subject that an edit of another text explains, too: which of both is wrong
     /// the evidence does not say, and a right model must not be made to fit a wrong word.
-    pub(in crate::refine) fn await_edits(&mut self, suspects: &[Suspect]) {
+    fn await_edits(&mut self, suspects: &[Suspect]) {
         for proposal in &mut self.proposals {
             let Change::Model { entry, change } = &proposal.change else {
                 continue;
@@ -111,7 +140,7 @@ impl Offered {
 
     /// Leaves open what sets a model's number on a subject that a branch put into or taken out of the same model moves, too: a number
     /// can be made to fit what a wrong or a lacking branch does.
-    pub(in crate::refine) fn await_branches(&mut self) {
+    fn await_branches(&mut self) {
         let branches = self.proposals.iter().filter(|it| !it.tried.is_harmful());
         let branches: Vec<(usize, String, Vec<Subject>)> = branches
             .filter_map(|it| match &it.change {
@@ -203,6 +232,8 @@ mod tests {
             reason: String::new(),
             file: String::new(),
             also: Vec::new(),
+            chosen: Vec::new(),
+            rivals: Vec::new(),
             diff: String::new(),
             effects: vec![Effect {
                 subject: Subject::FailureMode(moves.into()),

@@ -4,6 +4,36 @@ use diagnostic::{Problem, Source};
 use std::ops::Range;
 use trace::{Table, TableError};
 
+/// Where a row of a table stands, for what is said once the table is closed.
+#[derive(Clone, Debug)]
+pub(super) struct RowPlace {
+    file: String,
+    /// None of the headers.
+    line: Option<u64>,
+}
+
+impl RowPlace {
+    pub fn new(table: &Table, row: usize) -> Self {
+        Self {
+            file: table.name().to_owned(),
+            line: table.line(row),
+        }
+    }
+
+    /// The headers of a table.
+    pub fn head(table: &Table) -> Self {
+        Self {
+            file: table.name().to_owned(),
+            line: None,
+        }
+    }
+
+    /// A mistake, at this place.
+    pub fn of(&self, problem: Problem) -> Problem {
+        at_line(problem, &self.file, self.line)
+    }
+}
+
 /// What is wrong in a row of a table.
 pub(super) fn in_row(
     table: &Table,

@@ -122,8 +122,8 @@ fn suspected(suspect: &Suspect, study: &str, out: &mut String) {
     for reason in &suspect.ruled_out {
         let _ = writeln!(out, "     ruled out: {reason}");
     }
-    if let Some(id) = &suspect.resolved_by {
-        let _ = writeln!(out, "     fixed in {id}");
+    if let Some((before, id, behind)) = suspect.resolution() {
+        let _ = writeln!(out, "     {before}{id}{behind}");
     }
 }
 

@@ -120,6 +120,7 @@ pub fn any_study(uniform: &mut Uniform) -> (Vec<Evidence>, Vec<Requirement>) {
                 parameter: "p".into(),
                 from: "E0".into(),
                 subject: subject(0),
+                chosen: false,
             }];
         }
         ledger.push(piece);

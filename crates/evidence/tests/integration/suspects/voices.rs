@@ -53,6 +53,7 @@ fn set_to(from: &str) -> Calibration {
         parameter: "p".into(),
         from: from.into(),
         subject: mode("grip"),
+        chosen: false,
     }
 }
 
