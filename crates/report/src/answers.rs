@@ -20,7 +20,9 @@ use evidence::{Conclusion, Evidence, Measure, Standing, Step, StudyResult, Subje
 /// Causes that are named of one requirement.
 const CAUSES: usize = 3;
 /// Lines of one answer; the rest are counted.
-const LINES: usize = 5;
+const LINES: usize = 6;
+/// Letters of a requirement's text that are shown.
+const ASKED: usize = 90;
 
 /// A part of a sentence: text, or text that leads to an anchor of the page.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -90,20 +92,23 @@ fn met(view: View) -> Answer {
     let study = view.study;
     let count = study.conclusions.len();
     let of = |wanted: &'static [Verdict]| with(study, wanted);
-    let refuted = ids(of(&[Verdict::Violated]));
+    let is_of_system = |it: &&Conclusion| it.step.is_none_or(|step| step >= Step::Corroborated);
+    let refuted = ids(of(&[Verdict::Violated]).filter(is_of_system));
+    let by_models = ids(of(&[Verdict::Violated]).filter(|it| !is_of_system(it)));
     let conflicting = ids(of(&[Verdict::Conflicting]));
     let all = match count {
         1 => "its requirement".to_owned(),
         count => format!("all {count} requirements"),
     };
-    let mut violated = of(&[Verdict::Violated]);
-    let is_refuted = violated.any(|it| it.step.is_none_or(|step| step >= Step::Corroborated));
     let is_enough = study.conclusions.iter().all(Conclusion::is_enough);
     let short = match (refuted.is_empty(), conflicting.is_empty()) {
         _ if count == 0 => "Nothing is required, or nothing has run yet.".to_owned(),
-        (false, _) if is_refuted => format!("No: {refuted} not satisfied."),
+        (false, _) if by_models.is_empty() => format!("No: {refuted} not satisfied."),
         (false, _) => format!(
-            "Not by its models: {refuted} not satisfied, but no trials of the system decide that."
+            "No: {refuted} not satisfied, and by models or simulators alone neither {by_models}."
+        ),
+        (true, _) if !by_models.is_empty() => format!(
+            "Not by its models: {by_models} not satisfied, which no trials of the system decide."
         ),
         (true, false) => format!("Not known: evidence conflicts on {conflicting}."),
         _ if is_enough && study.open_conflicts().is_empty() => {
@@ -144,6 +149,7 @@ fn capital(words: &str) -> String {
 fn not_met(view: View) -> Answer {
     let study = view.study;
     let mut lines = Vec::new();
+    let mut beside: Vec<Vec<Part>> = Vec::new();
     for conclusion in with(study, &[Verdict::Violated]) {
         let denying = || {
             let all = conclusion.standings.iter();
@@ -156,16 +162,19 @@ fn not_met(view: View) -> Answer {
         };
         lines.push(vec![
             requirement(view, &conclusion.requirement),
-            text(format!(": {words}")),
+            text(format!("{}: {words}", asked(view, &conclusion.requirement))),
         ]);
         // Of the strongest step, the last counted.
         let most = denying().max_by_key(|it| it.step);
         let refuting =
             most.and_then(|most| study.evidence.iter().find(|it| it.id == most.evidence));
         if let Some(evidence) = refuting {
-            lines.extend(causes(view, evidence));
+            // Of one piece the same for each that it refutes.
+            let causes = causes(view, evidence);
+            beside.extend(causes.filter(|it| !beside.contains(it)));
         }
     }
+    lines.extend(beside);
     for conflict in study.open_conflicts() {
         let mut line = vec![
             piece(view, &conflict.left),
@@ -198,6 +207,25 @@ fn not_met(view: View) -> Answer {
         },
         lines: shortened(lines, "verdict"),
     }
+}
+
+/// What is asked for, as far as a line has room for it.
+fn asked(view: View, id: &str) -> String {
+    let Some(requirement) = view.requirement(id) else {
+        return String::new();
+    };
+    let mut words = String::new();
+    for word in requirement.text.split_whitespace() {
+        if words.chars().count() + word.chars().count() > ASKED {
+            words.push_str(" …");
+            break;
+        }
+        if !words.is_empty() {
+            words.push(' ');
+        }
+        words.push_str(word);
+    }
+    format!(" (\"{words}\")")
 }
 
 /// Which failures a piece of evidence has, the most frequent first: they stand beside a violation, and are not shown to be its cause.
@@ -264,12 +292,18 @@ fn sure(view: View) -> Answer {
     let by_system = with(study, &[Verdict::Satisfied, Verdict::Violated])
         .filter(of_system)
         .count();
+    let all = study.conclusions.len();
     let short = match (decided, by_system) {
         (0, _) => "Nothing is decided.".to_owned(),
         (decided, 0) => format!(
-            "{decided} decided, for models and simulators alone: nothing is decided of the system."
+            "{decided} of {all} decided, for models and simulators alone: nothing is decided of the system."
         ),
-        (decided, by_system) => format!("{decided} decided, of the system {by_system}."),
+        (decided, by_system) if decided == by_system => {
+            format!("{decided} of {all} decided, of the system.")
+        }
+        (decided, by_system) => {
+            format!("{decided} of {all} decided, {by_system} of these of the system.")
+        }
     };
     let mut lines = shortened(lines, "verdict");
     lines.extend(words::error_rates(study).map(|words| vec![text(words)]));

@@ -12,7 +12,7 @@ use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
 use crate::number;
 use crate::plan;
-use crate::view::{View, merged, unbroken};
+use crate::view::{View, left_out_of_all, merged, unbroken};
 use crate::words::{self, Mark};
 
 /// Narrower than this nothing can be laid out.
@@ -155,6 +155,7 @@ fn verdicts(page: &mut Page, study: &StudyResult) {
         );
         return;
     }
+    let common = left_out_of_all(study);
     for conclusion in &study.conclusions {
         let mark = words::concluded(conclusion);
         let label = format!(
@@ -177,12 +178,15 @@ fn verdicts(page: &mut Page, study: &StudyResult) {
         for looking in conclusion.looking.iter().filter(|it| it.look > 1) {
             page.item(&indent, "", &looking.statement);
         }
-        for words in conclusion.left_out() {
+        for words in conclusion.left_out().filter(|it| !common.contains(it)) {
             page.item(&indent, "2", &format!("Left out: {words}"));
         }
         for sensitivity in &conclusion.clustering {
             page.item(&indent, "", &sensitivity.statement);
         }
+    }
+    for words in common {
+        page.item("", "2", &format!("Left out of every verdict: {words}"));
     }
     if let Some(words) = words::error_rates(study) {
         page.item("", "2", &words);

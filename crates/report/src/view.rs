@@ -284,6 +284,22 @@ pub fn prose(text: &str) -> Markup {
     }
 }
 
+/// What every one of several conclusions leaves out, each sentence once: it is said once.
+pub fn left_out_of_all(study: &StudyResult) -> Vec<&str> {
+    let [first, others @ ..] = study.conclusions.as_slice() else {
+        return Vec::new();
+    };
+    if others.is_empty() {
+        return Vec::new();
+    }
+    let is_common = |words: &&str| {
+        others
+            .iter()
+            .all(|it| it.left_out().any(|own| own == *words))
+    };
+    first.left_out().filter(is_common).collect()
+}
+
 /// Lines of all conclusions, each once, with the requirements that share it.
 pub fn merged<'a>(
     conclusions: &'a [Conclusion],

@@ -13,6 +13,19 @@ pub trait Texts {
     /// # Errors
     /// `cannot-read`, `file-too-large`, `not-text`.
     fn text(&self, path: &Path) -> Result<Source, Problem>;
+
+    /// Its text, where every study has such a file.
+    ///
+    /// # Errors
+    /// `cannot-read` where it is not there, and those of [`Self::text`].
+    fn needed(&self, path: &Path) -> Result<Source, Problem> {
+        if self.exists(path) {
+            return self.text(path);
+        }
+        let message = format!("{} is not there, and every study has one", path.display());
+        Err(Problem::new("cannot-read", message)
+            .remedy("`corroborate init` writes a small study with all its files"))
+    }
 }
 
 /// The texts as they are kept.

@@ -81,7 +81,7 @@ impl Vocabulary {
         found: &mut Problems,
     ) -> Self {
         let path = folder.join("vocabulary.toml");
-        let source = found.keep(texts.text(&path)).unwrap_or_else(|| {
+        let source = found.keep(texts.needed(&path)).unwrap_or_else(|| {
             found.lose_names();
             Source::new(path.display().to_string(), "")
         });

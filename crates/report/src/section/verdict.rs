@@ -4,7 +4,7 @@ use evidence::{Conclusion, StudyResult, Suspect};
 use maud::{Markup, html};
 
 use crate::number;
-use crate::view::{View, chip, merged, section, unbroken};
+use crate::view::{View, chip, left_out_of_all, merged, section, unbroken};
 use crate::words;
 
 /// Suspects named with the verdict; the section on them has them all.
@@ -13,13 +13,18 @@ const FIRST: usize = 10;
 /// The section.
 pub fn render(view: View) -> Markup {
     let study = view.study;
+    let common = left_out_of_all(study);
     let body = html! {
         (tally(study))
         @if study.conclusions.is_empty() {
             p class="empty" { "This study draws no conclusion yet: no requirement has evidence. Run it to produce some." }
         }
         ol class="conclusions" {
-            @for conclusion in &study.conclusions { (conclusion_item(view, conclusion)) }
+            @for conclusion in &study.conclusions { (conclusion_item(view, conclusion, &common)) }
+        }
+        @if !common.is_empty() {
+            p class="small" { b { "Left out of every verdict:" } }
+            ul class="lines small" { @for words in &common { li { (unbroken(words)) } } }
         }
         @if let Some(words) = words::error_rates(study) { p class="small" { (unbroken(&words)) } }
         (agreement(study))
@@ -40,8 +45,10 @@ fn tally(study: &StudyResult) -> Markup {
     }
 }
 
-fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
+/// A conclusion, without what `common` says for all.
+fn conclusion_item(view: View, conclusion: &Conclusion, common: &[&str]) -> Markup {
     let mark = words::concluded(conclusion);
+    let own = || conclusion.left_out().filter(|it| !common.contains(it));
     html! {
         li class={ "conclusion " (mark.tone) } {
             div class="badge" {
@@ -58,10 +65,10 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
                 @if let Some(combined) = view.combined(&conclusion.requirement) {
                     p class="small" { b { "Together: " } (unbroken(&combined.statement)) }
                 }
-                @if conclusion.left_out().next().is_some() {
+                @if own().next().is_some() {
                     p class="small" { b { "Left out:" } }
                     ul class="lines small" {
-                        @for words in conclusion.left_out() { li { (unbroken(words)) } }
+                        @for words in own() { li { (unbroken(words)) } }
                     }
                 }
                 @for looking in &conclusion.looking {

@@ -187,7 +187,7 @@ pub fn load(
     found: &mut Problems,
 ) -> (Vec<Requirement>, Vec<FailureMode>, Forms) {
     let path = folder.join("requirements.toml");
-    let source = texts.text(&path);
+    let source = texts.needed(&path);
     let source = found.keep(source);
     let file: Option<File> = source
         .as_ref()

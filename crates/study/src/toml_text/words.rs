@@ -74,7 +74,7 @@ pub(super) fn problem(
         Mistake::WrongType(got, expected) => (
             format!(
                 "{named} must be {} (got {})",
-                in_words(expected),
+                in_words(expected, got),
                 got_in_words(got)
             ),
             what_it_holds(code),
@@ -107,9 +107,10 @@ fn one_of(word: &str, known: &[&str], what: &str) -> String {
     }
 }
 
-/// What the deserializer expects.
-fn in_words(expected: &str) -> String {
+/// What the deserializer expects in the place of what it got.
+fn in_words(expected: &str, got: &str) -> String {
     match expected {
+        "u64" if got.ends_with("128") => format!("a whole number of at most {}", u64::MAX),
         "f64" | "f32" => "a number".to_owned(),
         "u64" | "u32" | "u16" | "u8" | "usize" => "a whole number of at least 0".to_owned(),
         "i64" | "i32" | "i16" | "i8" | "isize" => "a whole number".to_owned(),
@@ -127,7 +128,11 @@ fn in_words(expected: &str) -> String {
 
 /// What the deserializer met.
 fn got_in_words(got: &str) -> String {
-    let value = |beginning: &str| got.strip_prefix(beginning).map(|it| it.trim_matches('`'));
+    // Of a number that no type has, the deserializer says the type that it tried: `99…9` as i128.
+    let value = |beginning: &str| {
+        let rest = got.strip_prefix(beginning)?.trim_start_matches('`');
+        rest.split('`').next()
+    };
     if let Some(text) = got.strip_prefix("string ") {
         return format!("the text {text}");
     }
