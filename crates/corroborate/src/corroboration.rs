@@ -295,8 +295,8 @@ fn summary(study: &Study) -> String {
 }
 
 /// What the study amounts to, for scripts: violated requirements (on any step of the ladder: a model that violates one
-/// has to be looked at) or conflicts between current evidence, or something undecided, not covered, or satisfied on a
-/// step below the one that the requirement needs.
+/// has to be looked at) or conflicts between current evidence, or something undecided, not covered, satisfied on a
+/// step below the one that the requirement needs, or different in one person alone.
 pub fn outcome(result: &StudyResult) -> Outcome {
     let verdict = |wanted: Verdict| result.conclusions.iter().any(|c| c.verdict == wanted);
     if verdict(Verdict::Violated)
@@ -304,7 +304,9 @@ pub fn outcome(result: &StudyResult) -> Outcome {
         || !result.open_conflicts().is_empty()
     {
         Outcome::Violated
-    } else if result.conclusions.iter().all(Conclusion::is_enough) {
+    } else if result.conclusions.iter().all(Conclusion::is_enough)
+        && result.differences_of_one().is_empty()
+    {
         Outcome::Holds
     } else {
         Outcome::Inconclusive

@@ -259,10 +259,17 @@ pub(crate) fn compare_knowing(study: &Study<'_>, computed: &Computed) -> Vec<Com
         }
     }
     correct(&mut drafts);
-    let family = drafts.iter().filter(|draft| draft.is_tested()).count();
+    let sharing = |alone: bool| {
+        let tested = drafts.iter().filter(|draft| draft.is_tested());
+        tested.filter(|draft| draft.is_alone() == alone).count()
+    };
+    let (family, of_one) = (sharing(false), sharing(true));
     drafts
         .into_iter()
-        .map(|draft| draft.decide(&study.levels, family))
+        .map(|draft| {
+            let family = if draft.is_alone() { of_one } else { family };
+            draft.decide(&study.levels, family)
+        })
         .collect()
 }
 
@@ -275,6 +282,8 @@ struct Draft {
     noted: Vec<String>,
     /// Sides all of whose trials are of one person, session or other cluster, in words: what the tests show is of this one.
     of_one: Vec<String>,
+    /// Whether a side is known to be 0 or 1, so that what one does refutes it.
+    is_certain: bool,
     /// The statistics, where both sides have a number.
     pair: Option<Pair>,
     /// Why the pair cannot be compared, if it cannot.
@@ -306,10 +315,8 @@ fn draft(
     comparison.paired = lineage.is_paired(&left.id, &right.id, subject);
     let mut noted = lineage.noted(&left.id, &right.id, subject);
     noted.extend(runs::total_unknown(sides.0, sides.1));
-    let of_one = match is_certain(findings.0) || is_certain(findings.1) {
-        true => Vec::new(),
-        false => of_one_subject([left, right]),
-    };
+    let of_one = of_one_subject(subject, [left, right]);
+    let is_certain = is_certain(findings.0) || is_certain(findings.1);
     match runs::triggers(sides.0, sides.1, margin, &study.levels) {
         Some(Ok(shares)) => comparison.trigger = Some(shares),
         Some(Err(reason)) => comparison.trigger_not_compared = Some(reason),
@@ -340,6 +347,7 @@ fn draft(
         fit,
         noted,
         of_one,
+        is_certain,
         pair,
         obstacle,
         conditions: left.conditions.clone(),
@@ -450,20 +458,28 @@ fn blank(subject: &Subject, left: &Evidence, right: &Evidence, margin: f64) -> C
 }
 
 /// Of which sides all trials are of one person, session or other cluster that does not stand for all.
-fn of_one_subject(sides: [&Evidence; 2]) -> Vec<String> {
-    let of_one = sides.into_iter().filter(|it| it.is_of_one_subject());
+fn of_one_subject(subject: &Subject, sides: [&Evidence; 2]) -> Vec<String> {
+    let of_one = sides
+        .into_iter()
+        .filter(|it| it.is_of_one_subject_on(subject));
     of_one
         .map(|it| format!("all trials of {} are of {} alone", it.id, it.one_subject()))
         .collect()
 }
 
-/// Whether a rate is known to be 0 or 1: what one does that it excludes refutes it, whoever this one is.
+/// Whether a rate is known to be 0 or 1, whatever the values of its constants: what one does that it excludes refutes it, whoever this
+/// one is.
 fn is_certain(finding: &Finding) -> bool {
-    matches!(
-        &finding.measure,
-        Measure::Probability { answer, credible: None, .. }
-            if answer.guarantee.is_certain() && (answer.value == 0.0 || answer.value == 1.0)
-    )
+    let Measure::Probability {
+        answer, credible, ..
+    } = &finding.measure
+    else {
+        return false;
+    };
+    let varies = credible
+        .as_ref()
+        .is_some_and(|it| it.interval.low < it.interval.high || it.ends.is_some());
+    answer.guarantee.is_certain() && !varies && (answer.value == 0.0 || answer.value == 1.0)
 }
 
 fn other_conditions(left: &Evidence, right: &Evidence) -> Option<String> {
@@ -483,11 +499,25 @@ fn missing(left: &Evidence, right: &Evidence, why: (Option<String>, Option<Strin
         .join(" ")
 }
 
-/// The correction over the pairs that are comparable, by closed testing.
+/// The correction over the pairs that are comparable, by closed testing. Those that are of one person alone cannot conflict, and take
+/// nothing from the level of those that can: they are corrected by themselves, by Holm's procedure.
 fn correct(drafts: &mut [Draft]) {
+    let alone: Vec<(usize, f64)> = drafts
+        .iter()
+        .enumerate()
+        .filter(|(_, draft)| draft.is_tested() && draft.is_alone())
+        .filter_map(|(place, draft)| Some((place, draft.comparison.p_difference?)))
+        .collect();
+    let raw: Vec<f64> = alone.iter().map(|(_, p)| *p).collect();
+    for ((place, _), corrected) in alone.iter().zip(stats::holm(&raw)) {
+        drafts[*place].comparison.p_difference_corrected = Some(corrected);
+    }
     let mut places = Vec::new();
     let mut tested = Vec::new();
     for (place, draft) in drafts.iter().enumerate() {
+        if draft.is_alone() {
+            continue;
+        }
         if let (Some(pair), Some(p), true) = (
             &draft.pair,
             draft.comparison.p_difference,
@@ -509,6 +539,11 @@ fn correct(drafts: &mut [Draft]) {
 }
 
 impl Draft {
+    /// Whether it is of one person, session or other cluster, so that it can be no conflict.
+    fn is_alone(&self) -> bool {
+        !self.of_one.is_empty() && !self.is_certain
+    }
+
     fn is_tested(&self) -> bool {
         self.pair.is_some() && self.obstacle.is_none()
     }
@@ -533,9 +568,10 @@ impl Draft {
         let agree = inside && pair.is_shown(self.comparison.p_equivalence, levels.agreement);
         let relation = Relation::of(differ, agree, inside);
         self.comparison.relation = Some(relation);
-        self.comparison.outcome = match self.of_one.is_empty() {
-            true => relation.outcome(),
-            false => Outcome::Inconclusive,
+        self.comparison.outcome = match relation.outcome() {
+            outcome if self.of_one.is_empty() => outcome,
+            Outcome::Conflicts if self.is_certain => Outcome::Conflicts,
+            _ => Outcome::Inconclusive,
         };
         let reason = match relation {
             Relation::Equivalent | Relation::TrivialDifference => {
@@ -554,7 +590,7 @@ impl Draft {
 
     /// What it means for the outcome that a side tells of one person, session or other cluster alone.
     fn one_in_words(&self, relation: Relation) -> String {
-        if self.of_one.is_empty() {
+        if self.of_one.is_empty() || self.comparison.outcome == Outcome::Conflicts {
             return String::new();
         }
         let meaning = match relation.outcome() {

@@ -106,6 +106,7 @@ pub(crate) mod coverage;
 mod elsewhere;
 mod excluded;
 mod fewer;
+mod further_people;
 mod judge;
 mod ladder;
 mod levels;
@@ -165,6 +166,11 @@ pub(crate) struct Piece<'a> {
 }
 
 impl<'a> Piece<'a> {
+    /// Whether all its trials that count here are of one person, session or other cluster that does not stand for all.
+    pub fn is_of_one_subject(&self) -> bool {
+        self.evidence.is_of_one_subject_on(&self.finding.subject)
+    }
+
     /// What a piece of evidence says about a requirement, if it has a number on it.
     fn of(evidence: &'a Evidence, requirement: &Requirement, quantity: &Subject) -> Option<Self> {
         let own = Subject::Requirement(requirement.id.clone());
@@ -402,19 +408,21 @@ fn independent_among(
     lineage: &Lineage<'_>,
     quantity: &Subject,
 ) -> Vec<usize> {
-    order.sort_by_key(|&index| {
-        (
-            !lineage.is_root(&pieces[index].evidence.id, quantity),
-            index,
-        )
-    });
+    let is_root = |piece: &Piece<'_>| match is_trial(piece.evidence) {
+        true => lineage.is_root_of_counts(&piece.evidence.id, quantity),
+        false => lineage.is_root(&piece.evidence.id, quantity),
+    };
+    order.sort_by_key(|&index| (!is_root(&pieces[index]), index));
     let mut accepted: Vec<usize> = Vec::new();
     for index in order {
         let id = &pieces[index].evidence.id;
         let free = accepted.iter().all(|&other| {
-            lineage
-                .dependence(&pieces[other].evidence.id, id, quantity)
-                .is_none()
+            let both = [&pieces[other], &pieces[index]];
+            let found = match both.iter().all(|it| is_trial(it.evidence)) {
+                true => lineage.dependence_of_counts(&pieces[other].evidence.id, id, quantity),
+                false => lineage.dependence(&pieces[other].evidence.id, id, quantity),
+            };
+            found.is_none()
         });
         if free {
             accepted.push(index);

@@ -3,7 +3,7 @@
 use crate::{
     Asset, CalibrationReport, Comparison, Conclusion, CoverageGap, DescriptionGap, Diagnosis,
     DisagreementMap, EpisodeFailures, Exploration, FailureMode, Finding, FormDifference, Interval,
-    Outcome, Requirement, Subject, Suspect, Synthesis, Technique, Tool,
+    Outcome, Relation, Requirement, Subject, Suspect, Synthesis, Technique, Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -316,6 +316,16 @@ impl Evidence {
         clusters.is_some_and(|it| it.subjects == 1 && it.one_for_all.is_none())
     }
 
+    /// The same of its trials of one subject: of a triggered requirement, or of the opportunities of a failure mode, those of one may be all.
+    #[must_use]
+    pub fn is_of_one_subject_on(&self, subject: &Subject) -> bool {
+        let clusters = self.clusters.as_ref();
+        let is_declared = clusters.is_some_and(|it| it.one_for_all.is_some());
+        let finding = self.finding(subject);
+        self.is_of_one_subject()
+            || !is_declared && finding.is_some_and(|it| it.measure.is_of_one_subject())
+    }
+
     /// The same of trials that are not of the system itself.
     pub(crate) fn is_simulated_of_one(&self) -> bool {
         self.is_of_one_subject() && !self.technique.is_of_system()
@@ -399,12 +409,26 @@ impl StudyResult {
     /// that none lays aside, since a piece may speak of failure modes alone.
     #[must_use]
     pub fn open_conflicts(&self) -> Vec<&Comparison> {
-        let is_open = |it: &&Comparison| {
-            let sides = [&it.left, &it.right];
-            it.outcome == Outcome::Conflicts
-                && sides.iter().all(|id| self.is_current(id, &it.subject))
-        };
-        self.comparisons.iter().filter(is_open).collect()
+        let conflicts = self.comparisons.iter();
+        let conflicts = conflicts.filter(|it| it.outcome == Outcome::Conflicts);
+        conflicts.filter(|it| self.is_between_current(it)).collect()
+    }
+
+    /// Differences between current evidence that are shown and no conflicts, because they are said of one person, session or other cluster
+    /// alone: nothing is decided by them, and a study that has one does not hold as a whole.
+    #[must_use]
+    pub fn differences_of_one(&self) -> Vec<&Comparison> {
+        let pairs = self.comparisons.iter().filter(|it| {
+            it.relation == Some(Relation::Different)
+                && it.outcome == Outcome::Inconclusive
+                && (it.independent || it.paired)
+        });
+        pairs.filter(|it| self.is_between_current(it)).collect()
+    }
+
+    fn is_between_current(&self, pair: &Comparison) -> bool {
+        let sides = [&pair.left, &pair.right];
+        sides.iter().all(|id| self.is_current(id, &pair.subject))
     }
 
     fn is_current(&self, id: &String, subject: &Subject) -> bool {

@@ -47,6 +47,23 @@ impl Measure {
         })
     }
 
+    /// Whether counts by subject or session are all of one of these.
+    #[must_use]
+    pub fn is_of_one_subject(&self) -> bool {
+        match self {
+            Self::Counts {
+                by_subject,
+                subjects,
+                trials,
+                ..
+            } => {
+                let is_alone = by_subject.as_ref().is_some_and(|all| all.len() == 1);
+                *trials > 1 && (is_alone || *subjects == Some(1))
+            }
+            _ => false,
+        }
+    }
+
     /// Counts, and what they are worth in independent trials; none of what is no count, contradicts itself or has no trials.
     #[must_use]
     pub fn at_its_worth(&self) -> Option<(Sample, EffectiveSample)> {

@@ -104,19 +104,20 @@ fn met(view: View) -> Answer {
     let short = match (refuted.is_empty(), conflicting.is_empty()) {
         _ if count == 0 => "Nothing is required, or nothing has run yet.".to_owned(),
         (false, _) if by_models.is_empty() => format!("No: {refuted} not satisfied."),
-        (false, _) => format!(
-            "No: {refuted} not satisfied, and by models or simulators alone neither {by_models}."
-        ),
+        (false, _) => {
+            format!("No: {refuted} not satisfied; nor, by models or simulators alone, {by_models}.")
+        }
         (true, _) if !by_models.is_empty() => format!(
             "Not by its models: {by_models} not satisfied, which no trials of the system decide."
         ),
         (true, false) => format!("Not known: evidence conflicts on {conflicting}."),
-        _ if is_enough && study.open_conflicts().is_empty() => {
-            format!("Yes, {all}, on the step that each needs.")
+        _ if is_enough && !study.open_conflicts().is_empty() => {
+            format!("Yes by its verdicts, {all}, but pieces of evidence conflict.")
         }
-        _ if is_enough => {
-            format!("Yes, {all}, but pieces of evidence conflict on how it can fail.")
-        }
+        _ if is_enough && !study.differences_of_one().is_empty() => format!(
+            "Yes by its verdicts, {all}, but one person, session or cluster differs from the other evidence."
+        ),
+        _ if is_enough => format!("Yes, {all}, on the step that each needs."),
         _ => {
             let open = study.conclusions.iter().filter(|it| !it.is_enough());
             format!("Not shown yet: {} left open.", ids(open))
@@ -196,11 +197,28 @@ fn not_met(view: View) -> Answer {
         }
         lines.push(line);
     }
+    let of_one = study.differences_of_one();
+    lines.extend(of_one.iter().map(|pair| {
+        vec![
+            piece(view, &pair.left),
+            text(" and "),
+            piece(view, &pair.right),
+            text(format!(
+                " differ on {} by {} points, which is said of one alone.",
+                view.short_title(&pair.subject),
+                number::decimal(100.0 * pair.difference.unwrap_or(0.0).abs(), 1)
+            )),
+        ]
+    }));
     let refuted = with(study, &[Verdict::Violated]).count();
     Answer {
         question: "Which are not met, and why?",
         short: match (refuted, lines.is_empty()) {
             (0, true) => "None is shown not to be met, and nothing conflicts.".to_owned(),
+            (0, false) if study.open_conflicts().is_empty() => {
+                "None is shown not to be met, but one person, session or cluster differs."
+                    .to_owned()
+            }
             (0, false) => "None is shown not to be met, but evidence conflicts.".to_owned(),
             (1, _) => "One is shown not to be met.".to_owned(),
             (many, _) => format!("{many} are shown not to be met."),
@@ -216,12 +234,15 @@ fn asked(view: View, id: &str) -> String {
     };
     let mut words = String::new();
     for word in requirement.text.split_whitespace() {
-        if words.chars().count() + word.chars().count() > ASKED {
-            words.push_str(" …");
-            break;
-        }
         if !words.is_empty() {
             words.push(' ');
+        }
+        let room = ASKED.saturating_sub(words.chars().count());
+        if word.chars().count() > room {
+            // A long word alone is cut.
+            words.extend(word.chars().take(if words.is_empty() { room } else { 0 }));
+            words.push('…');
+            break;
         }
         words.push_str(word);
     }
@@ -292,17 +313,31 @@ fn sure(view: View) -> Answer {
     let by_system = with(study, &[Verdict::Satisfied, Verdict::Violated])
         .filter(of_system)
         .count();
+    let carried = with(study, &[Verdict::Satisfied, Verdict::Violated]);
+    let carried = carried
+        .filter(|it| it.step == Some(Step::Corroborated))
+        .count();
     let all = study.conclusions.len();
     let short = match (decided, by_system) {
         (0, _) => "Nothing is decided.".to_owned(),
         (decided, 0) => format!(
             "{decided} of {all} decided, for models and simulators alone: nothing is decided of the system."
         ),
-        (decided, by_system) if decided == by_system => {
-            format!("{decided} of {all} decided, of the system.")
-        }
         (decided, by_system) => {
-            format!("{decided} of {all} decided, {by_system} of these of the system.")
+            let trials = by_system - carried;
+            let by = match (trials, carried) {
+                (trials, 0) => format!("{trials} by trials of the system"),
+                (0, carried) => format!("{carried} by models that carry over to the system"),
+                _ => format!(
+                    "{trials} by trials of the system, {carried} by models that carry over to it"
+                ),
+            };
+            match decided == by_system {
+                true => format!("{decided} of {all} decided, {by}."),
+                false => format!(
+                    "{decided} of {all} decided, {by}, the others for models and simulators alone."
+                ),
+            }
         }
     };
     let mut lines = shortened(lines, "verdict");
@@ -404,10 +439,33 @@ fn next(view: View) -> Answer {
         ]);
     }
     let plans = lines.len() - suspects;
+    let refuted = ids(with(study, &[Verdict::Violated]));
+    if !refuted.is_empty() {
+        lines.push(vec![text(format!(
+            "Of {refuted}: mend what makes it fail, or what is asked of it."
+        ))]);
+    }
+    let uncovered = ids(with(study, &[Verdict::NotCovered]));
+    if !uncovered.is_empty() {
+        lines.push(vec![text(format!(
+            "Gather evidence that covers {uncovered}."
+        ))]);
+    }
+    if !study.differences_of_one().is_empty() {
+        lines.push(vec![text(
+            "Try more people or sessions: whether the one that differs is one of a kind is not known.",
+        )]);
+    }
+    let pairs = synthesis.programme.as_ref();
+    let pairs = pairs.map(|it| plan::programme(it, &synthesis.costs));
+    if let Some(words) = pairs.filter(|it| !it.is_empty()) {
+        lines.push(vec![text(format!("Whether techniques agree: {words}"))]);
+    }
     Answer {
         question: "What is to be done next?",
         short: match (suspects, plans) {
-            (0, 0) => "Nothing is open.".to_owned(),
+            (0, 0) if lines.is_empty() => "Nothing is open.".to_owned(),
+            (0, 0) => "What follows is open.".to_owned(),
             (0, _) => "Gather what decides the open requirements.".to_owned(),
             (_, 0) => "Find out why evidence differs.".to_owned(),
             _ => "Find out why evidence differs, then decide what is open.".to_owned(),

@@ -408,6 +408,14 @@ fn outcomes(page: &mut Page, view: View) {
         })
         .collect();
     page.item("", "", &counts.join(", "));
+    for pair in study.differences_of_one() {
+        let title = view.short_title(&pair.subject);
+        let words = format!(
+            "{} and {} on {title}: {}",
+            pair.left, pair.right, pair.reason
+        );
+        page.item("≠ of one alone: ", "", &words);
+    }
     let fits = study
         .comparisons
         .iter()

@@ -132,7 +132,7 @@ fn tables_that_changed_places_are_told_and_put_back_in_the_ledger() {
         assert_eq!(pair["independent"], false, "{pair}");
         let reason = pair["reason"].as_str().unwrap_or_default();
         let said = format!(
-            "a fit: \"T1 and T2: the files of the two exchanged\" was chosen in {table} because then {model} agrees."
+            "\"T1 and T2: the files of the two exchanged\" was chosen in {table} because then {model} agrees."
         );
         assert!(reason.contains(&said), "{reason}");
     }

@@ -3,8 +3,8 @@
 //!
 //! # Definition
 //! A change of a text is *chosen for* evidence E on a subject when it is offered for a suspect that touches the subject, and before it
-//! E differed, at the 5 % level and without a correction, from evidence that rests on the text. Where both sides rest on it, the later
-//! one is said to be chosen for the earlier. A change of a model's branches is chosen for the counts that it is offered for, too.
+//! E differed, at the 5 % level and without a correction, from evidence that rests on the text. Where both sides rest on it, the one whose
+//! technique reads the changed key is said to be chosen, or else the later one. A change of a model's branches is chosen for the counts that it is offered for, too.
 //!
 //! # Source
 //! A. Gelman and E. Loken, "The statistical crisis in science", American Scientist 102 (2014): what was chosen after a look at data is
@@ -19,7 +19,9 @@
 use super::ledger_text::{SetTo, calibrated, chosen as chosen_text};
 use super::proposal::{Change, Fitted, Proposal, is_of_structure};
 use diagnostic::{Problem, Source};
-use evidence::{Calibration, Comparison, Outcome, StudyResult, Subject, Suspect};
+use evidence::{
+    AskedBy, Calibration, Comparison, Outcome, StudyResult, Subject, Suspect, Technique,
+};
 use host::files::{read_source, write_text};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -88,16 +90,39 @@ pub(super) fn chosen_for(result: &StudyResult, proposal: &Proposal) -> Vec<Chose
             && it.outcome != Outcome::NotComparable
             && it.p_difference.is_some_and(|p| p <= REASON)
     });
+    let reads = |id: &str| {
+        let mut pieces = result.evidence.iter();
+        let piece = pieces.find(|piece| piece.id == id);
+        let part = suspect.and_then(|it| it.asset.part.as_deref());
+        piece
+            .zip(part)
+            .is_some_and(|(piece, part)| is_read(part, piece.technique))
+    };
     for it in differ {
-        let chosen = of_pair(it, &own);
+        let chosen = of_pair(it, &own, &reads);
         found.extend(chosen.filter(|it| !found.contains(it)));
     }
     found
 }
 
-/// What of a pair is chosen for what, where one of it rests on the text.
-fn of_pair(pair: &Comparison, own: &[String]) -> Option<ChosenFor> {
-    let (entry, from) = match (own.contains(&pair.left), own.contains(&pair.right)) {
+/// Whether a technique reads this part of the study's words: the key stands last in its name (`w0, model`).
+fn is_read(part: &str, technique: Technique) -> bool {
+    let key = part.rsplit(", ").next().unwrap_or(part);
+    let traits = technique.traits();
+    let is_monitored = matches!(traits.asked_by, AskedBy::Monitor);
+    match key.trim_matches('`') {
+        "model" | "property" | "occurs" | "opportunity" => technique.is_of_model(),
+        "column" | "experiment" => traits.is_counted_by_people,
+        "trace" | "graded" | "monitor" => is_monitored && !traits.is_counted_by_people,
+        _ => false,
+    }
+}
+
+/// What of a pair is chosen for what, where one of it rests on the text; where both do, the one that reads the part.
+fn of_pair(pair: &Comparison, own: &[String], reads: &dyn Fn(&str) -> bool) -> Option<ChosenFor> {
+    let (left, right) = (own.contains(&pair.left), own.contains(&pair.right));
+    let (entry, from) = match (left, right) {
+        (true, true) if reads(&pair.left) && !reads(&pair.right) => (&pair.left, &pair.right),
         (_, true) => (&pair.right, &pair.left),
         (true, false) => (&pair.left, &pair.right),
         (false, false) => return None,
@@ -115,8 +140,17 @@ pub(super) fn note(proposal: &Proposal) -> Option<String> {
         let names: BTreeSet<String> = proposal.chosen.iter().map(of).collect();
         names.into_iter().collect::<Vec<_>>().join(", ")
     };
-    let is_said = matches!(proposal.change, Change::Model { .. });
-    (!proposal.chosen.is_empty() && !is_said).then(|| {
+    // Of a model's change what it is offered for is said already.
+    let said = match &proposal.change {
+        Change::Model { change, .. } => Some((&change.counts().evidence, change.subject())),
+        _ => None,
+    };
+    let is_said = |it: &ChosenFor| {
+        said.as_ref()
+            .is_some_and(|(from, subject)| **from == it.from && *subject == it.subject)
+    };
+    let has_more = proposal.chosen.iter().any(|it| !is_said(it));
+    has_more.then(|| {
         format!(
             "From then on, agreement with {} on {} is a fit, not corroboration: the ledger says so under `chosen`. Where something else \
              shows the change to be right, give that reason in `changed` and take the line out.",

@@ -83,7 +83,11 @@ impl RefineReport {
         }
         if let Some(open) = &self.open_after {
             writeln!(text)?;
-            write_open(text, "Open suspects now", open)?;
+            write_open(
+                text,
+                "Open suspects now, before `corroborate diagnose` looks further",
+                open,
+            )?;
         }
         Ok(())
     }

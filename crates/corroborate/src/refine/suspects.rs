@@ -23,7 +23,7 @@ use refinement::{FormChange, Model, Offer, Ranked, TextChange, Trial, unified};
 use std::path::{Path, PathBuf};
 use study::{Simulated, Study};
 
-/// All that is offered for a study's result, without what one offer means for another ([`Offered::finish`]).
+/// All that is offered for a study's result, without what one offer means for another (`finish` of [`Offered`]).
 pub fn offered(
     study: &Study,
     result: &StudyResult,

@@ -209,15 +209,13 @@ pub fn undecided(
     let open = comparisons.iter_mut();
     let open = open.filter(|it| it.outcome == Outcome::Inconclusive);
     // More trials of the same one decide nothing of others.
-    let of_one: Vec<&str> = (study.evidence.iter())
-        .filter(|piece| piece.is_of_one_subject())
-        .map(|piece| piece.id.as_str())
-        .collect();
-    let open = open.filter(|it| {
-        ![&it.left, &it.right]
-            .iter()
-            .any(|id| of_one.contains(&id.as_str()))
-    });
+    let is_of_one = |it: &Comparison| {
+        let mut pieces = study.evidence.iter();
+        pieces.any(|piece| {
+            [&it.left, &it.right].contains(&&piece.id) && piece.is_of_one_subject_on(&it.subject)
+        })
+    };
+    let open = open.filter(|it| !is_of_one(it));
     open.filter_map(|comparison| plans(study, comparison, costs, &levels))
         .collect()
 }

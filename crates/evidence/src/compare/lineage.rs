@@ -226,19 +226,53 @@ impl<'a> Lineage<'a> {
 
     /// Why two pieces of evidence are not independent on a subject; `None` if they are.
     pub fn dependence(&self, first: &str, second: &str, subject: &Subject) -> Option<String> {
-        self.known_dependence(first, second, subject)
+        self.known_dependence(first, second, subject, true)
             .or_else(|| self.data.paired(first, second).map(str::to_owned))
             .or_else(|| self.possible_copy(first, second, subject))
     }
 
     /// The same as far as it is declared or certain.
-    fn known_dependence(&self, first: &str, second: &str, subject: &Subject) -> Option<String> {
-        let ours = self.sources(first, subject);
-        let theirs = self.sources(second, subject);
+    fn known_dependence(
+        &self,
+        first: &str,
+        second: &str,
+        subject: &Subject,
+        with_choices: bool,
+    ) -> Option<String> {
+        let ours = self.sources_with(first, subject, with_choices);
+        let theirs = self.sources_with(second, subject, with_choices);
+        // Two samples stay two, whatever both were read by.
+        let are_counted = [first, second]
+            .iter()
+            .all(|id| self.is_counted(id, subject));
         taken_from(&theirs, first)
             .or_else(|| taken_from(&ours, second))
-            .or_else(|| shared(&ours, &theirs))
+            .or_else(|| shared(&ours, &theirs, are_counted))
             .or_else(|| self.shared_data((first, &ours), (second, &theirs)))
+    }
+
+    /// The same of what decides: trials of the system stay trials, however a text was chosen by which they are read. That it was chosen
+    /// is said with the verdict.
+    pub fn dependence_of_counts(
+        &self,
+        first: &str,
+        second: &str,
+        subject: &Subject,
+    ) -> Option<String> {
+        self.known_dependence(first, second, subject, false)
+            .or_else(|| self.data.paired(first, second).map(str::to_owned))
+            .or_else(|| self.possible_copy(first, second, subject))
+    }
+
+    /// Whether the evidence rests on no other on this subject but by texts that were chosen.
+    pub fn is_root_of_counts(&self, id: &str, subject: &Subject) -> bool {
+        self.sources_with(id, subject, false).is_empty()
+    }
+
+    fn is_counted(&self, id: &str, subject: &Subject) -> bool {
+        let piece = self.evidence.get(id);
+        let finding = piece.and_then(|piece| piece.finding(subject));
+        finding.is_some_and(|it| matches!(it.measure, Measure::Counts { .. }))
     }
 
     /// Why two pieces have the same runs, so that there is nothing to compare; `None` if they do not.
@@ -248,13 +282,15 @@ impl<'a> Lineage<'a> {
 
     /// Whether two pieces are dependent because their runs have the same seeds, and for no other reason that is known.
     pub fn is_paired(&self, first: &str, second: &str, subject: &Subject) -> bool {
-        self.known_dependence(first, second, subject).is_none()
+        self.known_dependence(first, second, subject, true)
+            .is_none()
             && self.data.paired(first, second).is_some()
     }
 
     /// Whether two pieces are dependent only because one looks copied from the other.
     pub fn is_possible_copy(&self, first: &str, second: &str, subject: &Subject) -> bool {
-        self.known_dependence(first, second, subject).is_none()
+        self.known_dependence(first, second, subject, true)
+            .is_none()
             && self.data.paired(first, second).is_none()
             && self.possible_copy(first, second, subject).is_some()
     }
@@ -320,6 +356,11 @@ impl<'a> Lineage<'a> {
 
     /// All sources, each with the calibrations that name it.
     fn sources(&self, id: &str, subject: &Subject) -> Sources {
+        self.sources_with(id, subject, true)
+    }
+
+    /// The same with or without what texts were chosen for.
+    fn sources_with(&self, id: &str, subject: &Subject, with_choices: bool) -> Sources {
         let mut found = Sources::new();
         let mut seen = BTreeSet::from([(id.to_owned(), subject.clone())]);
         let mut open = vec![(id.to_owned(), subject.clone())];
@@ -327,7 +368,8 @@ impl<'a> Lineage<'a> {
             let Some(piece) = self.evidence.get(holder.as_str()) else {
                 continue;
             };
-            let bearing = match holder != id && piece.technique.is_of_simulator() {
+            let bearing: Vec<&Calibration> = match holder != id && piece.technique.is_of_simulator()
+            {
                 // Its runs rest on all that it was set to, but for what a model shows to play no part.
                 true => piece
                     .calibrated
@@ -336,6 +378,7 @@ impl<'a> Lineage<'a> {
                     .collect(),
                 false => self.bearing(piece, &about),
             };
+            let bearing = bearing.into_iter().filter(|it| with_choices || !it.chosen);
             for calibration in bearing {
                 let source = (calibration.from.clone(), calibration.subject.clone());
                 let taken = Taken {
@@ -361,6 +404,10 @@ impl<'a> Lineage<'a> {
         let bears = |calibration: &&Calibration| {
             if &calibration.subject == subject {
                 return true;
+            }
+            // What a number moves says nothing of what a text does.
+            if calibration.chosen {
+                return Influences::default().bears(&calibration.subject, subject);
             }
             let share = own
                 .as_ref()
@@ -403,9 +450,18 @@ fn taken_from(sources: &Sources, from: &str) -> Option<String> {
 }
 
 /// The counts on which both rest, in words.
-fn shared(first: &Sources, second: &Sources) -> Option<String> {
+///
+/// Of two counted pieces a source does not count for which only texts were chosen.
+fn shared(first: &Sources, second: &Sources, are_counted: bool) -> Option<String> {
     let mut by_evidence: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-    for (id, subject) in first.keys().filter(|source| second.contains_key(*source)) {
+    let is_common = |source: &&Source| {
+        let takers = [first, second].map(|it| it.get(*source));
+        let are_taken = |it: &Option<&BTreeSet<Taken>>| {
+            it.is_some_and(|all| !are_counted || all.iter().any(|taken| !taken.chosen))
+        };
+        takers.iter().all(are_taken)
+    };
+    for (id, subject) in first.keys().filter(is_common) {
         by_evidence.entry(id).or_default().insert(subject.id());
     }
     let counts: Vec<String> = by_evidence

@@ -311,7 +311,7 @@ fn chosen<'a>(
         let weight = weights.of(&id);
         let reason = match piece.belief.worth_in_counts() {
             _ if weight <= 0.0 => "has a declared weight of 0",
-            Some(_) if piece.evidence.is_of_one_subject() => match is_trial(piece.evidence) {
+            Some(_) if piece.is_of_one_subject() => match is_trial(piece.evidence) {
                 true => "is of one person or session alone",
                 false => "is of one cluster alone",
             },

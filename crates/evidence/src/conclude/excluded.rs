@@ -186,10 +186,10 @@ fn below(asked: &Asked<'_>, piece: &Evidence) -> Option<ExclusionReason> {
 /// Why a piece does not take part; `None` if it was not asked about it.
 fn reason(study: &Study<'_>, asked: &Asked<'_>, piece: &Evidence) -> Option<ExclusionReason> {
     let finding = found(asked, piece)?;
-    if Piece::of(piece, asked.requirement, &asked.quantity).is_none() {
+    let Some(speaking) = Piece::of(piece, asked.requirement, &asked.quantity) else {
         return Some(silence(finding));
-    }
-    if !asked.may_decide(piece) {
+    };
+    if !asked.may_decide(&speaking) {
         return Some(ExclusionReason::OneSubject);
     }
     if asked.pieces.iter().any(|it| it.evidence.id == piece.id) {

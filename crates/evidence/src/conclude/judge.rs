@@ -14,8 +14,7 @@ use super::{
 };
 use crate::compare::{Lineage, Study};
 use crate::{
-    Comparison, Direction, ErrorFamily, Evidence, Outcome, Relation, Requirement, Step, Subject,
-    Threshold,
+    Comparison, Direction, ErrorFamily, Outcome, Relation, Requirement, Step, Subject, Threshold,
 };
 
 /// A requirement with all that is judged on it.
@@ -87,7 +86,7 @@ impl<'a> Asked<'a> {
         let threshold = threshold_of(requirement);
         let trials: Vec<Piece> = pieces
             .iter()
-            .filter(|piece| is_trial(piece.evidence) && may_decide(piece.evidence, threshold))
+            .filter(|piece| is_trial(piece.evidence) && may_decide(piece, threshold))
             .cloned()
             .collect();
         let free: Vec<&str> = independent(&trials, lineage, &quantity)
@@ -98,7 +97,7 @@ impl<'a> Asked<'a> {
             .iter()
             .map(|piece| match is_trial(piece.evidence) {
                 true => free.contains(&piece.evidence.id.as_str()),
-                false => may_decide(piece.evidence, threshold),
+                false => may_decide(piece, threshold),
             })
             .collect();
         Self {
@@ -120,8 +119,8 @@ impl<'a> Asked<'a> {
     /// Independent current pieces that are shown to differ.
     pub fn apart(&self) -> Apart {
         let is_of_one = |id: &str| {
-            let mut pieces = self.pieces.iter().map(|it| it.evidence);
-            pieces.any(|it| it.id == id && it.is_of_one_subject())
+            let mut pieces = self.pieces.iter();
+            pieces.any(|it| it.evidence.id == id && it.is_of_one_subject())
         };
         let of = |wanted: &dyn Fn(&Comparison) -> bool| {
             let all = self.among.iter();
@@ -154,14 +153,14 @@ impl<'a> Asked<'a> {
     }
 
     /// Whether trials of a piece can decide it.
-    pub fn may_decide(&self, piece: &Evidence) -> bool {
+    pub fn may_decide(&self, piece: &Piece<'_>) -> bool {
         may_decide(piece, self.threshold)
     }
 
     /// The pieces under other conditions that may decide in a group.
     fn elsewhere_of(&self, group: Group) -> impl Iterator<Item = &Piece<'a>> {
         let pieces = self.elsewhere.iter();
-        pieces.filter(move |it| group_of(it) == group && self.may_decide(it.evidence))
+        pieces.filter(move |it| group_of(it) == group && self.may_decide(it))
     }
 
     /// How many tests share the level of "met" and of "missed" in a group.
@@ -208,7 +207,7 @@ impl<'a> Asked<'a> {
             let named = self.named(piece);
             let mut standing = stand(named, &piece.belief, self.threshold, levels);
             standing.elsewhere = elsewhere;
-            standing.words += &of_one_subject(piece.evidence);
+            standing.words += &of_one_subject(piece);
             Judged {
                 standing,
                 decides,
@@ -225,7 +224,7 @@ impl<'a> Asked<'a> {
             conditions: transfer.piece.evidence.conditions.clone(),
         }));
         let there = self.elsewhere.iter();
-        all.extend(there.map(|piece| judged(piece, self.may_decide(piece.evidence), true)));
+        all.extend(there.map(|piece| judged(piece, self.may_decide(piece), true)));
         all
     }
 
@@ -258,17 +257,18 @@ impl<'a> Asked<'a> {
 
 /// Whether evidence may decide a requirement: what is of one person, session or other cluster tells of this one alone, whether
 /// the system was tried or simulated, but for certainty, which one violation refutes, whoever's it is.
-fn may_decide(piece: &Evidence, threshold: Threshold) -> bool {
+fn may_decide(piece: &Piece<'_>, threshold: Threshold) -> bool {
     !piece.is_of_one_subject() || is_certainty(threshold)
 }
 
 /// Whose figure it is, where all trials are of one person, session or other cluster.
-fn of_one_subject(piece: &Evidence) -> String {
+fn of_one_subject(piece: &Piece<'_>) -> String {
     let declared = piece
+        .evidence
         .clusters
         .as_ref()
         .and_then(|it| it.one_for_all.as_ref());
-    let one = piece.one_subject();
+    let one = piece.evidence.one_subject();
     match declared {
         Some(because) => {
             format!(", of {one}, declared to stand for all (\"{because}\")")

@@ -9,7 +9,7 @@ use crate::compare::Belief;
 use crate::compare::words::{list, percent, points};
 use crate::{
     Calibration, Direction, Evidence, Excluded, ExclusionReason, Measure, Outcome, Relation,
-    Standing, Step, Verdict,
+    Standing, Step, Subject, Verdict,
 };
 use std::collections::BTreeSet;
 
@@ -116,11 +116,34 @@ impl Statement<'_> {
             let mut judged = self.judged.iter();
             judged.any(|one| one.standing.evidence == it.id)
         };
-        let pieces = self.asked.pieces.iter().map(|it| it.evidence);
-        let pieces =
-            pieces.filter(|it| it.technique.is_of_model() || it.technique.is_of_simulator());
-        let sentences = pieces.filter(has_figure).map(set_to_counts);
-        sentences.flatten().collect()
+        let pieces = || self.asked.pieces.iter().map(|it| it.evidence);
+        let chosen = pieces().filter(has_figure).filter_map(|it| self.chosen(it));
+        let made =
+            pieces().filter(|it| it.technique.is_of_model() || it.technique.is_of_simulator());
+        let sentences = made.filter(has_figure).map(set_to_counts);
+        chosen.chain(sentences.flatten()).collect()
+    }
+
+    /// What of a piece's texts, by which it is judged here, was chosen because then other evidence agrees.
+    fn chosen(&self, piece: &Evidence) -> Option<String> {
+        let own = Subject::Requirement(self.asked.requirement.id.clone());
+        let is_here = |it: &&Calibration| {
+            it.chosen && (it.subject == own || it.subject == self.asked.quantity)
+        };
+        let chosen: Vec<&Calibration> = piece.calibrated.iter().filter(is_here).collect();
+        if chosen.is_empty() {
+            return None;
+        }
+        let from: BTreeSet<&str> = chosen.iter().map(|one| one.from.as_str()).collect();
+        let from: Vec<String> = from.into_iter().map(str::to_owned).collect();
+        let what: BTreeSet<&str> = chosen.iter().map(|one| one.parameter.as_str()).collect();
+        let what: Vec<String> = what.into_iter().map(|it| format!("\"{it}\"")).collect();
+        Some(format!(
+            "In {} {} was chosen because it agrees with {}: that other choices would fit, too, is not in its figure.",
+            piece.id,
+            list(&what),
+            list(&from)
+        ))
     }
 
     /// Models that are declared to carry over and do not, unless what is left out says it.
@@ -377,23 +400,10 @@ fn set_to_counts(piece: &Evidence) -> Vec<String> {
         let mut sources = spreads.flat_map(|it| it.constant.split(", "));
         sources.any(|name| name == parameter)
     };
-    let (chosen, numbers): (Vec<&Calibration>, Vec<&Calibration>) =
-        piece.calibrated.iter().partition(|one| one.chosen);
+    let numbers = piece.calibrated.iter().filter(|one| !one.chosen);
     let (carried, left): (Vec<&Calibration>, Vec<&Calibration>) =
-        (numbers.into_iter()).partition(|one| is_in_a_figure(&one.parameter));
+        numbers.partition(|one| is_in_a_figure(&one.parameter));
     let mut sentences = Vec::new();
-    if !chosen.is_empty() {
-        let from: BTreeSet<&str> = chosen.iter().map(|one| one.from.as_str()).collect();
-        let from: Vec<String> = from.into_iter().map(str::to_owned).collect();
-        let what: BTreeSet<&str> = chosen.iter().map(|one| one.parameter.as_str()).collect();
-        let what: Vec<String> = what.into_iter().map(|it| format!("\"{it}\"")).collect();
-        sentences.push(format!(
-            "In {} {} was chosen because it agrees with {}: that other choices would fit, too, is not in its figure.",
-            piece.id,
-            list(&what),
-            list(&from)
-        ));
-    }
     if !left.is_empty() {
         let (were, they) = match left.len() {
             1 => ("was", "it"),

@@ -26,8 +26,9 @@
 //! effect of today, of further subjects with as many trials each as those of today have: more trials of the same
 //! subjects tell less. Simulated (`promised`), 10 people with 10 trials each and 20 more at a correlation of 0.3 keep
 //! what is promised on average by the test at the effective size; the conclusion asks the likelihood of people's counts,
-//! too, and may want more.
+//! too, so that a plan of further people is held against all tests of the conclusion ([`super::further_people`]).
 
+use super::further_people::{Shown, checked};
 use super::words::is_certainty;
 use super::{Piece, current, independent_among, looked_at, quantity, threshold_of};
 use crate::compare::{Belief, FurtherSubjects, Study, TrialCosts};
@@ -136,7 +137,7 @@ fn why_not_planned(
                     .to_owned()
             }
         },
-        Some(piece) if piece.evidence.is_of_one_subject() => format!(
+        Some(piece) if piece.is_of_one_subject() => format!(
             "All trials of {} are of {}; more of the same one decide nothing of others.",
             piece.evidence.id,
             piece.evidence.one_subject()
@@ -198,8 +199,7 @@ fn plans(
     let quantity = quantity(study.requirements, requirement);
     let enough = |piece: &Piece| {
         // More trials of the same one tell no more of others.
-        Step::of(piece.evidence.technique) >= requirement.needs
-            && !piece.evidence.is_of_one_subject()
+        Step::of(piece.evidence.technique) >= requirement.needs && !piece.is_of_one_subject()
     };
     let mut pieces = current(study.evidence, requirement, &quantity);
     pieces.retain(enough);
@@ -230,6 +230,24 @@ fn plans(
             study.levels.power,
         );
         let by = found.and_then(|(trials, _)| FurtherSubjects::of(&piece.finding.measure, trials));
+        let shown = shown_at(conclusion, piece);
+        let asked_by_people = by.zip(shown).and_then(|(by, shown)| {
+            let levels = (study.levels.confidence, study.levels.power);
+            checked(&piece.finding.measure, by, (asked, shown), levels)
+        });
+        if let Some(plan) = asked_by_people {
+            let trials = plan.map(|it| it.people.trials());
+            return Some(Deciding {
+                requirement: requirement.id.clone(),
+                evidence: id.clone(),
+                trials,
+                cost: trials.map(|trials| trials as f64 * costs.of(id)),
+                chance: plan.map(|it| it.met + it.missed),
+                satisfied: plan.map(|it| it.met),
+                violated: plan.map(|it| it.missed),
+                by: plan.map(|it| it.people),
+            });
+        }
         // What whole people do.
         let trials = found.map(|(trials, _)| by.map_or(trials, FurtherSubjects::trials));
         Some(Deciding {
@@ -251,6 +269,21 @@ fn plans(
     let cost = |plan: &Deciding| plan.cost.unwrap_or(f64::INFINITY);
     plans.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
     plans
+}
+
+/// The levels at which a conclusion judges counts by person, of one look where they are looked at again.
+fn shown_at(conclusion: &Conclusion, piece: &Piece<'_>) -> Option<Shown> {
+    let mut standings = conclusion.standings.iter();
+    let own =
+        standings.find(|it| it.evidence == piece.evidence.id && it.step != Step::Corroborated)?;
+    let share = match Looked::of(&piece.belief).0 {
+        Some(_) => stats::SHARE_OF_A_LOOK,
+        None => 1.0,
+    };
+    Some(Shown {
+        met: own.level_met * share,
+        missed: own.level_missed * share,
+    })
 }
 
 /// The stricter of the levels at which a conclusion judges a piece.

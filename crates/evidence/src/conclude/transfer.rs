@@ -42,7 +42,7 @@ use crate::compare::words::{list, p_value, points};
 use crate::compare::{Belief, Study};
 use crate::{
     CarryOver, Comparison, Direction, Evidence, Interval, Measure, Outcome, PieceStanding,
-    Requirement, Step, Subject, Threshold,
+    Relation, Requirement, Step, Subject, Threshold,
 };
 
 /// A carried-over model, or why it carries nothing over.
@@ -151,6 +151,19 @@ fn anchor(
             is_conflict: true,
         });
     }
+    // That one person alone differs is no conflict, and no reason to carry anything over either.
+    if let Some((_, other)) = with_trials
+        .iter()
+        .find(|(it, _)| it.relation == Some(Relation::Different))
+    {
+        return Err(none(format!(
+            "{model} and {other} differ on {on}, which is said of one alone"
+        )));
+    }
+    let is_of_one_subject = |evidence: &[Evidence], id: &str| {
+        let mut pieces = evidence.iter();
+        pieces.any(|piece| piece.id == id && piece.is_of_one_subject_on(&subject))
+    };
     if is_of_one_subject(study.evidence, &declared.evidence)
         || is_of_one_subject(study.evidence, model)
     {
@@ -242,11 +255,6 @@ fn is_trial_in(evidence: &[Evidence], id: &str) -> bool {
     evidence
         .iter()
         .any(|piece| piece.id == id && is_trial(piece))
-}
-
-fn is_of_one_subject(evidence: &[Evidence], id: &str) -> bool {
-    let mut pieces = evidence.iter();
-    pieces.any(|piece| piece.id == id && piece.is_of_one_subject())
 }
 
 fn p_of_equivalence(comparison: &Comparison) -> f64 {

@@ -297,7 +297,93 @@ fn what_is_shown_of_one_person_is_no_outcome_between_evidence() {
 
     let outcome = |count, known, because| compared(count, known, because).outcome;
     assert_eq!(outcome(200, 1.0, None), Outcome::Conflicts);
+    // That one did what certainty asks for shows nothing of others.
+    assert_eq!(outcome(400, 1.0, None), Outcome::Inconclusive);
     let because = Some("the arm works alone");
     assert_eq!(outcome(200, 0.97, because), Outcome::Conflicts);
     assert_eq!(outcome(388, 0.97, because), Outcome::Corroborates);
+}
+
+/// Ten people of whom one alone triggers a requirement: its trials are all of this one, whatever the piece has otherwise.
+#[test]
+fn trials_that_one_of_several_has_are_of_one() {
+    let row = |successes, trials| stats::Sample { successes, trials };
+    let mut rows = vec![row(60, 60)];
+    rows.extend([row(0, 0); 9]);
+    let measure = Measure::of_clusters(&rows, stats::Confidence::P95).expect("a measure");
+    let mut piece = piece("E", Technique::Experiment, vec![(0, measure)]);
+    piece.clusters = Some(ClusterTests {
+        effective_trials: 60.0,
+        subjects: 10,
+        ..ClusterTests::default()
+    });
+    assert!(!piece.is_of_one_subject() && piece.is_of_one_subject_on(&subject(0)));
+    let found = judged(&[piece], 0.8);
+    assert_eq!(
+        found.conclusion.verdict,
+        Verdict::Undecided,
+        "{:?}",
+        found.conclusion
+    );
+}
+
+/// Two cohorts that conflict do so whoever alone was tried besides.
+#[test]
+fn one_person_takes_no_level_from_a_conflict_of_others() {
+    let several = |id: &str, count| piece(id, Technique::Experiment, vec![(0, counts(count, 30))]);
+    let both = [several("A", 30), several("B", 24)];
+    let corrected = |ledger: &[Evidence]| {
+        let all = judged(ledger, 0.5).comparisons;
+        let mut own = all
+            .into_iter()
+            .filter(|it| it.left == "A" && it.right == "B");
+        own.next().expect("the pair").p_difference_corrected
+    };
+    let with_more: Vec<Evidence> = both
+        .iter()
+        .cloned()
+        .chain([of_one("C", 25, 30, None), of_one("D", 26, 30, None)])
+        .collect();
+    assert_eq!(corrected(&with_more), corrected(&both));
+}
+
+/// A word that was chosen because a model agrees makes agreement with the model a fit. The trials stay trials: both tables decide,
+/// in whatever order the ledger has them, and stay independent of each other.
+#[test]
+fn a_chosen_reading_takes_no_trials_from_the_verdict() {
+    let chosen = |mut piece: Evidence| {
+        piece.calibrated = vec![Calibration {
+            parameter: "a column".into(),
+            from: "M".into(),
+            subject: subject(0),
+            chosen: true,
+        }];
+        piece
+    };
+    let model = || piece("M", Technique::ModelChecking, vec![(0, exact(0.86))]);
+    let trials = |id: &str, count| {
+        chosen(piece(
+            id,
+            Technique::Experiment,
+            vec![(0, counts(count, 1200))],
+        ))
+    };
+    let (good, bad) = (trials("G", 1030), trials("B", 910));
+    for ledger in [[model(), good.clone(), bad.clone()], [model(), bad, good]] {
+        let found = judged(&ledger, 0.8);
+        assert_eq!(
+            found.conclusion.verdict,
+            Verdict::Violated,
+            "{:?}",
+            found.conclusion
+        );
+        for pair in &found.comparisons {
+            let is_with_model = pair.left == "M" || pair.right == "M";
+            assert_eq!(pair.independent, !is_with_model, "{pair:?}");
+        }
+        let said = "\"a column\" was chosen because it agrees with M";
+        let statement = &found.conclusion.statement;
+        assert!(statement.contains(&format!("In G {said}")), "{statement}");
+        assert!(statement.contains(&format!("In B {said}")), "{statement}");
+    }
 }

@@ -408,7 +408,9 @@ fn answers_say_what_the_verdicts_say() {
         let [met, not_met, sure, untested, next] = report::answers(&study);
         let all = &study.conclusions;
         let of = |wanted: Verdict| all.iter().filter(move |it| it.verdict == wanted);
-        let is_yes = all.iter().all(Conclusion::is_enough) && study.open_conflicts().is_empty();
+        let is_undisputed =
+            study.open_conflicts().is_empty() && study.differences_of_one().is_empty();
+        let is_yes = all.iter().all(Conclusion::is_enough) && is_undisputed;
         let is_of_system = |it: &Conclusion| it.step >= Some(Step::Corroborated);
         let is_no = of(Verdict::Violated).any(is_of_system);
         assert_eq!(met.short.starts_with("Yes, "), is_yes, "{seed}: {met:?}");
@@ -416,7 +418,7 @@ fn answers_say_what_the_verdicts_say() {
         said_yes += u64::from(is_yes);
         said_no += u64::from(is_no);
 
-        let is_calm = of(Verdict::Violated).next().is_none() && study.open_conflicts().is_empty();
+        let is_calm = of(Verdict::Violated).next().is_none() && is_undisputed;
         assert_eq!(not_met.lines.is_empty(), is_calm, "{seed}: {not_met:?}");
         let decided = of(Verdict::Satisfied).count() + of(Verdict::Violated).count();
         let is_undecided = sure.short == "Nothing is decided.";
@@ -425,6 +427,10 @@ fn answers_say_what_the_verdicts_say() {
         assert_eq!(is_whole, untested.lines.is_empty(), "{seed}: {untested:?}");
         let is_open = all.iter().any(Conclusion::is_open);
         if next.short == "Nothing is open." {
+            assert!(
+                is_calm && of(Verdict::NotCovered).next().is_none(),
+                "{seed}: {next:?}"
+            );
             assert!(
                 !is_open || study.synthesis.deciding.is_empty(),
                 "{seed}: {next:?}"

@@ -486,15 +486,13 @@ impl Reader<'_> {
     pub(super) fn unknown_evidence(&self, id: &Spanned<String>) -> Problem {
         let known = self.all.iter().map(String::as_str);
         let similar = did_you_mean(id.get_ref(), known.filter(|it| it != id.get_ref()));
-        let remedy = match similar.filter(|_| !self.all.contains(id.get_ref())) {
+        let is_later = self.all.contains(id.get_ref());
+        let remedy = match similar.filter(|_| !is_later) {
             Some(similar) => format!("did you mean `{similar}`?"),
-            None => "name an entry of this ledger; what calibrates another must stand before it"
-                .to_owned(),
+            None if is_later => "what calibrates another must stand before it".to_owned(),
+            None => "name an entry of this ledger".to_owned(),
         };
-        let before = match self.all.contains(id.get_ref()) {
-            true => " before this one",
-            false => "",
-        };
+        let before = if is_later { " before this one" } else { "" };
         self.problem(
             "unknown-evidence",
             format!("the ledger has no evidence `{}`{before}", id.get_ref()),
@@ -554,7 +552,15 @@ impl Reader<'_> {
     /// A change of a text that was chosen because evidence agrees with it. Nothing is computed from it, so that this evidence may stand
     /// later in the ledger.
     fn chosen(&self, text: &ChosenText, id: &str) -> Result<Calibration, Problem> {
-        if !self.all.contains(text.from.get_ref()) || text.from.get_ref() == id {
+        if text.from.get_ref() == id {
+            return Err(self.problem(
+                "unknown-evidence",
+                format!("`chosen` of `{id}` names `{id}` itself"),
+                text.from.span(),
+                "name the other evidence, which agrees with what was chosen",
+            ));
+        }
+        if !self.all.contains(text.from.get_ref()) {
             return Err(self.unknown_evidence(&text.from));
         }
         if text.what.get_ref().trim().is_empty() {
@@ -589,7 +595,7 @@ impl Reader<'_> {
             _ => {
                 return Err(self.problem(
                     "bad-calibration",
-                    "what was set or chosen for counts needs either a `failure_mode` or a `requirement`".into(),
+                    "what was set or chosen for counts needs either a `failure_mode` or a `requirement`, and not both".into(),
                     from.span(),
                     "say which of its counts it was",
                 ));

@@ -27,6 +27,12 @@ pub struct Offered {
 
 impl Offered {
     pub(in crate::refine) fn add(&mut self, mut proposal: Proposal) {
+        // Found in two ways, it is one change.
+        let mut known = self.proposals.iter();
+        let is_known = |it: &Proposal| it.file == proposal.file && it.diff == proposal.diff;
+        if !proposal.diff.is_empty() && known.any(is_known) {
+            return;
+        }
         proposal.number = self.proposals.len() + 1;
         self.proposals.push(proposal);
     }
@@ -41,6 +47,7 @@ impl Offered {
         self.await_exchanges(&touched);
         self.await_edits(suspects);
         self.await_branches();
+        self.await_rows(suspects);
         self.choose(result);
         tell(self, suspects);
     }
@@ -96,6 +103,30 @@ impl Offered {
         }
     }
 
+    /// Leaves open what is for a subject of which one row of a table is suspected first: what is wrong in that row explains it, too.
+    fn await_rows(&mut self, suspects: &[Suspect]) {
+        let is_row = |it: &&Suspect| {
+            let mut symptoms = it.symptoms.iter();
+            it.is_open() && symptoms.any(|one| matches!(one, Symptom::RowDiffers { .. }))
+        };
+        for row in suspects.iter().filter(is_row) {
+            for proposal in &mut self.proposals {
+                let mut all = suspects.iter();
+                let own = all.find(|it| Some(it.rank) == proposal.suspect);
+                let shares = own.is_some_and(|own| {
+                    own.rank > row.rank && own.subjects.iter().any(|it| row.subjects.contains(it))
+                });
+                if shares {
+                    proposal.needs_decision = true;
+                    proposal.notes.push(format!(
+                        "Decide on suspect {} first: {}, and if that row is wrong, what this changes is right as it is.",
+                        row.rank, row.title
+                    ));
+                }
+            }
+        }
+    }
+
     /// Says with what evidence agreement is a fit once a change is made.
     fn choose(&mut self, result: &StudyResult) {
         for proposal in &mut self.proposals {
@@ -131,7 +162,7 @@ impl Offered {
             if let Some(other) = suspects.iter().find(explains) {
                 proposal.needs_decision = true;
                 proposal.notes.push(format!(
-                    "Decide on suspect {} first: {}, too, and then this number is right as it is.",
+                    "Decide on suspect {} first: {}, too, and then what this changes is right as it is.",
                     other.rank, other.title
                 ));
             }
@@ -163,7 +194,7 @@ impl Offered {
             if let (true, Some((number, ..))) = (is_number, rival) {
                 proposal.needs_decision = true;
                 proposal.notes.push(format!(
-                    "Decide on {number} as well: another branch explains it, too, and then this number is right as it is."
+                    "Decide on {number} as well: it explains it, too, and then what this changes is right as it is."
                 ));
             }
         }

@@ -1,0 +1,185 @@
+//! Plans of further people, held against the tests by which a verdict is made.
+//!
+//! # Definition
+//! A further person's rate is drawn from Jeffreys' posterior of one of those so far, each as likely as the others, and their trials from
+//! that rate. With so many further people the conclusion's own tests are asked ([`super::stand::at_one_look`]): how often, of [`DRAWS`]
+//! draws, they show the threshold to be met or missed is the chance. Where it is clearly below the wanted power, the number of people is
+//! doubled, up to [`DOUBLINGS`] times; then there is no plan.
+//!
+//! # Source
+//! B. Efron, "Bootstrap methods: another look at the jackknife", The Annals of Statistics 7 (1979), with a posterior in place of each
+//! person's share, as A. O'Hagan, J. W. Stevens and M. J. Campbell, "Assurance in clinical trial design" (2005).
+//!
+//! # Assumes
+//! Further people are of the kinds of those so far. Of a piece that is looked at again each look has [`stats::SHARE_OF_A_LOOK`] of
+//! the level.
+//!
+//! # Guarantee
+//! A plan is not made by a test that the verdict does not ask. The chance has the error of [`DRAWS`] draws, at most 8 points, and is the same
+//! each time.
+
+use super::stand::doubts;
+use crate::compare::{Belief, FurtherSubjects};
+use crate::{Measure, Threshold};
+use stats::{BetaPosterior, Confidence, EffectiveSample, Sample};
+
+/// Draws of each number of people.
+const DRAWS: u64 = 40;
+/// How often the number is doubled.
+const DOUBLINGS: u32 = 5;
+/// A simulated chance below this share of the wanted one is clearly less.
+const CLEARLY: f64 = 0.8;
+/// More trials of one person than this are not drawn one by one.
+const MOST_EACH: u64 = 2_000;
+/// More people than this are not drawn.
+const MOST_PEOPLE: u64 = 400;
+
+/// Levels at which a threshold is shown to be met and to be missed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shown {
+    pub met: f64,
+    pub missed: f64,
+}
+
+/// A number of further people with its chances of showing the threshold to be met and to be missed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ByPeople {
+    pub people: FurtherSubjects,
+    pub met: f64,
+    pub missed: f64,
+}
+
+/// What the verdict's tests make of a planned number of further people; `None` where counts are not known by person, so that they are not
+/// asked by person either, and `Some(None)` where no number of them is clearly enough.
+pub(super) fn checked(
+    measure: &Measure,
+    planned: FurtherSubjects,
+    (threshold, levels): (Threshold, Shown),
+    (level, power): (Confidence, f64),
+) -> Option<Option<ByPeople>> {
+    let Measure::Counts {
+        by_subject: Some(rows),
+        ..
+    } = measure
+    else {
+        return None;
+    };
+    let rows: Vec<Sample> = rows
+        .iter()
+        .filter_map(|[successes, trials]| Sample::new(*successes, *trials).ok())
+        .collect();
+    if rows.len() < 2 || planned.each > MOST_EACH {
+        return None;
+    }
+    let mut people = planned;
+    for _ in 0..=DOUBLINGS {
+        if people.subjects > MOST_PEOPLE {
+            return Some(None);
+        }
+        let found = chances(&rows, people, (threshold, levels), level);
+        if found.met + found.missed >= CLEARLY * power {
+            return Some(Some(found));
+        }
+        people.subjects *= 2;
+    }
+    Some(None)
+}
+
+fn chances(
+    rows: &[Sample],
+    people: FurtherSubjects,
+    (threshold, levels): (Threshold, Shown),
+    level: Confidence,
+) -> ByPeople {
+    let mut drawn = Drawn(0x5eed);
+    let (mut met, mut missed) = (0_u64, 0_u64);
+    for _ in 0..DRAWS {
+        let mut all = rows.to_vec();
+        all.extend((0..people.subjects).map(|_| drawn.person(rows, people.each)));
+        let belief = Measure::of_clusters(&all, level).ok();
+        let belief = belief.and_then(|measure| Belief::of(&measure).ok());
+        let Some(belief) = belief else { continue };
+        let (not_met, is_met) = doubts(&belief, threshold);
+        met += u64::from(not_met <= levels.met);
+        missed += u64::from(is_met <= levels.missed);
+    }
+    let share = |count: u64| count as f64 / DRAWS as f64;
+    ByPeople {
+        people,
+        met: share(met),
+        missed: share(missed),
+    }
+}
+
+/// Numbers that look drawn, the same each time (SplitMix64).
+struct Drawn(u64);
+
+impl Drawn {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^= bits >> 31;
+        ((bits >> 11) as f64 + 0.5) / 2_f64.powi(53)
+    }
+
+    /// A further person like one of these.
+    fn person(&mut self, rows: &[Sample], each: u64) -> Sample {
+        let place = (self.uniform() * rows.len() as f64) as usize;
+        let one = rows[place.min(rows.len() - 1)];
+        let rate = BetaPosterior::jeffreys(EffectiveSample::from(one)).quantile(self.uniform());
+        let successes = (0..each).filter(|_| self.uniform() < rate).count() as u64;
+        Sample {
+            successes,
+            trials: each,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Direction;
+
+    fn planned(rows: &[[u64; 2]], value: f64, subjects: u64, each: u64) -> Option<ByPeople> {
+        let samples = rows.iter().map(|[successes, trials]| Sample {
+            successes: *successes,
+            trials: *trials,
+        });
+        let measure = Measure::of_clusters(&samples.collect::<Vec<_>>(), Confidence::P95);
+        let threshold = Threshold {
+            direction: Direction::AtLeast,
+            value,
+        };
+        let levels = Shown {
+            met: 0.025,
+            missed: 0.025,
+        };
+        checked(
+            &measure.expect("a measure"),
+            FurtherSubjects { subjects, each },
+            (threshold, levels),
+            (Confidence::P95, 0.8),
+        )
+        .expect("known by person")
+    }
+
+    /// Twenty who nearly always succeed and one who hardly does: no result of one more person decides, whatever the effective size says.
+    #[test]
+    fn one_more_person_decides_nothing_that_no_result_of_theirs_would() {
+        let mut rows = vec![[6, 6]; 18];
+        rows.extend([[5, 6], [5, 6], [3, 100]]);
+        if let Some(plan) = planned(&rows, 0.85, 1, 10) {
+            assert!(plan.people.subjects > 1, "{plan:?}");
+        }
+    }
+
+    #[test]
+    fn people_who_are_alike_are_planned_as_they_were() {
+        let plan = planned(&[[9, 10]; 10], 0.8, 20, 10).expect("a plan");
+        assert_eq!(plan.people.subjects, 20, "{plan:?}");
+        assert!(plan.met > 0.8 && plan.missed < 0.1, "{plan:?}");
+        assert_eq!(planned(&[[9, 10]; 10], 0.8, 20, 10), Some(plan));
+    }
+}
