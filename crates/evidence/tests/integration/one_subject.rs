@@ -368,7 +368,7 @@ fn a_chosen_reading_takes_no_trials_from_the_verdict() {
             vec![(0, counts(count, 1200))],
         ))
     };
-    let (good, bad) = (trials("G", 1030), trials("B", 910));
+    let (good, bad) = (trials("G", 1010), trials("B", 900));
     for ledger in [[model(), good.clone(), bad.clone()], [model(), bad, good]] {
         let found = judged(&ledger, 0.8);
         assert_eq!(
