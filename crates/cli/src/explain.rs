@@ -23,7 +23,7 @@ pub fn explain(arguments: &Explain) -> Result<Done, Problem> {
         None => list(&topics),
         Some(name) => {
             let wanted = name.trim_matches(|c| c == '[' || c == ']').to_lowercase();
-            let wanted = wanted.replace(' ', "-");
+            let wanted = wanted.replace([' ', '_'], "-");
             let topic = topics.iter().find(|t| t.name == wanted).ok_or_else(|| {
                 let problem = Problem::new("unknown-topic", format!("there is no topic `{name}`"));
                 let speaking = speaking_of(&topics, name);

@@ -310,6 +310,37 @@ impl Tables {
             .map(|cohort| cohort.attempts.iter().sum())
     }
 
+    /// Rows that count more trials than there were attempts, of what is asked of each run once: by a property of a model.
+    pub fn more_than_attempts(&self, study: &Study) -> Vec<String> {
+        let Some(attempts) = self.attempts() else {
+            return Vec::new();
+        };
+        let requirements = self.requirements.iter().filter_map(|row| {
+            let subject = Subject::Requirement(row.requirement.clone());
+            Some((subject, row.covered, row.place.as_ref()?))
+        });
+        let modes = self.failure_modes.iter().map(|row| {
+            let subject = Subject::FailureMode(row.mode.clone());
+            (subject, row.opportunities, &row.place)
+        });
+        let is_asked_of_runs = |subject: &Subject| {
+            let form = study.forms.of(subject);
+            form.is_some_and(|form| form.property.is_some())
+        };
+        let rows = requirements.chain(modes);
+        let rows =
+            rows.filter(|(subject, trials, _)| *trials > attempts && is_asked_of_runs(subject));
+        rows.map(|(subject, trials, place)| {
+            format!(
+                "warning: {}: {trials} trials count for {} in {attempts} attempts, and its property asks in how many runs it comes: a run \
+                 counts once",
+                place.in_words(),
+                subject.in_words()
+            )
+        })
+        .collect()
+    }
+
     /// In how many trials the subject was covered, if the tables say so.
     fn covered(&self, subject: &Subject) -> Option<u64> {
         match subject {

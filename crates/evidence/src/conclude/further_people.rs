@@ -91,7 +91,7 @@ fn chances(
     (threshold, levels): (Threshold, Shown),
     level: Confidence,
 ) -> ByPeople {
-    let mut drawn = Drawn(0x5eed);
+    let mut drawn = Drawn::default();
     let (mut met, mut missed) = (0_u64, 0_u64);
     for _ in 0..DRAWS {
         let mut all = rows.to_vec();
@@ -114,6 +114,12 @@ fn chances(
 /// Numbers that look drawn, the same each time (SplitMix64).
 struct Drawn(u64);
 
+impl Default for Drawn {
+    fn default() -> Self {
+        Self(0x5eed)
+    }
+}
+
 impl Drawn {
     fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -128,12 +134,14 @@ impl Drawn {
     fn person(&mut self, rows: &[Sample], each: u64) -> Sample {
         let place = (self.uniform() * rows.len() as f64) as usize;
         let one = rows[place.min(rows.len() - 1)];
-        let rate = BetaPosterior::jeffreys(EffectiveSample::from(one)).quantile(self.uniform());
-        let successes = (0..each).filter(|_| self.uniform() < rate).count() as u64;
-        Sample {
-            successes,
-            trials: each,
-        }
+        self.of_rate(EffectiveSample::from(one), each)
+    }
+
+    /// So many trials of a rate that is drawn from Jeffreys' posterior of what is known.
+    fn of_rate(&mut self, known: EffectiveSample, trials: u64) -> Sample {
+        let rate = BetaPosterior::jeffreys(known).quantile(self.uniform());
+        let successes = (0..trials).filter(|_| self.uniform() < rate).count() as u64;
+        Sample { successes, trials }
     }
 }
 

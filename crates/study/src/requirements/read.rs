@@ -149,7 +149,8 @@ struct FailureModeText {
     /// A PRISM property: the probability that it occurs.
     #[schemars(with = "Option<String>")]
     occurs: Option<Spanned<String>>,
-    /// A PRISM property: the probability that a run comes to where it can occur, by which `occurs` is divided.
+    /// A PRISM property: the probability that a run comes to where it can occur. The rate is that of runs in which it occurs where it can,
+    /// divided by it; what occurs elsewhere does not count.
     #[schemars(with = "Option<String>")]
     opportunity: Option<Spanned<String>>,
     /// A staged monitor written by hand: what is waited for, in which order, within which times (`corroborate explain monitor`).

@@ -28,6 +28,14 @@ impl RowPlace {
         }
     }
 
+    /// The file, and the line where there is one.
+    pub fn in_words(&self) -> String {
+        match self.line {
+            Some(line) => format!("{}:{line}", self.file),
+            None => self.file.clone(),
+        }
+    }
+
     /// A mistake, at this place.
     pub fn of(&self, problem: Problem) -> Problem {
         at_line(problem, &self.file, self.line)

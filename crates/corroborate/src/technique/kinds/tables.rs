@@ -30,10 +30,14 @@ impl Technique for ReadTables<'_> {
         asked: Asked<'a>,
         files: &Files<'_>,
     ) -> Result<Box<dyn Prepared + 'a>, Problem> {
+        let tables = Tables::read_through(asked.study, self.files, files)?;
+        for line in tables.more_than_attempts(asked.study) {
+            asked.host.events.say(&line);
+        }
         Ok(Box::new(Ready {
             asked,
             technique: self.technique,
-            tables: Tables::read_through(asked.study, self.files, files)?,
+            tables,
         }))
     }
 
