@@ -29,7 +29,7 @@ use super::Produced;
 use super::counted::CountedConstant;
 use super::files::Files;
 use checker::state_space::StateSpace;
-use diagnostic::{Problem, Source, counted as counted_of};
+use diagnostic::{Problem, Source};
 use evidence::{AssetRole, Cost, Denominator, Finding, Measure, Subject, Tool};
 use host::store::Inputs;
 use host::{Cancel, Stage};
@@ -312,7 +312,7 @@ impl<'a> Compiled<'a> {
     }
 
     /// Answers all questions, by all methods, and carries the uncertainty of
-    /// counted constants through. What is remarkable in the model's states goes to `say`.
+    /// counted constants through.
     pub fn produce(
         &self,
         id: &str,
@@ -320,19 +320,10 @@ impl<'a> Compiled<'a> {
         counted: &[CountedConstant],
         interrupt: &Cancel,
         begin: &dyn Fn(&str, u64) -> Stage,
-        say: &dyn Fn(&str),
     ) -> Result<Produced, Problem> {
         let began = Instant::now();
         let cancel = || interrupt.is_cancelled();
         let space = explore::<f64>(&self.source, &self.model, MAX_STATES, &cancel)?;
-        if let Some(first) = space.deadlocks().first() {
-            say(&format!(
-                "warning: {}: {} given a self-loop, for example {}: no command is enabled there, which is right where runs end",
-                self.source.name,
-                counted_of(space.deadlocks().len(), "deadlock state"),
-                space.describe(*first)
-            ));
-        }
         let exact_space = if methods.contains(&Method::Exact) {
             Some(explore::<Rational>(
                 &self.source,

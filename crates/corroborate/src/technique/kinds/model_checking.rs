@@ -61,15 +61,7 @@ impl Technique for ModelChecking<'_> {
         let value_of = |name: &str| compiled.constant(name);
         let counted = counted_constants(study, entry, kept.before, &value_of)?;
         let begin = |title: &str, total: u64| host.events.begin(title, total);
-        let again = compiled.produce(
-            &entry.id,
-            self.methods,
-            &counted,
-            &host.cancel,
-            &begin,
-            // It was said when the model was first solved.
-            &|_| (),
-        )?;
+        let again = compiled.produce(&entry.id, self.methods, &counted, &host.cancel, &begin)?;
         let what = "values of evidence follow from solving its model again";
         kept.is(again, what, audit)
     }
@@ -101,10 +93,9 @@ impl Prepared for Ready<'_> {
         let (id, host) = (&self.asked.entry.id, self.asked.host);
         let begin = |title: &str, total: u64| host.events.begin(title, total);
         let counted = working.counted;
-        let say = |line: &str| host.events.say(line);
-        let produced =
-            self.compiled
-                .produce(id, &self.methods, counted, &host.cancel, &begin, &say)?;
+        let produced = self
+            .compiled
+            .produce(id, &self.methods, counted, &host.cancel, &begin)?;
         for line in said_of_nothing(&produced) {
             host.events.say(&format!("{id}: {line}"));
         }
