@@ -15,7 +15,9 @@ use crate::plan;
 use crate::view::View;
 use crate::words;
 use diagnostic::counted;
-use evidence::{Conclusion, Evidence, Measure, Standing, Step, StudyResult, Subject, Verdict};
+use evidence::{
+    Comparison, Conclusion, Evidence, Measure, Standing, Step, StudyResult, Subject, Verdict,
+};
 
 /// Causes that are named of one requirement.
 const CAUSES: usize = 3;
@@ -177,16 +179,9 @@ fn not_met(view: View) -> Answer {
     }
     lines.extend(beside);
     for conflict in study.open_conflicts() {
-        let mut line = vec![
-            piece(view, &conflict.left),
-            text(" and "),
-            piece(view, &conflict.right),
-            text(format!(
-                " conflict on {}: they differ by {} points.",
-                view.short_title(&conflict.subject),
-                number::decimal(100.0 * conflict.difference.unwrap_or(0.0).abs(), 1)
-            )),
-        ];
+        let mut line = of_pair(view, conflict, |on, points| {
+            format!("conflict on {on}: they differ by {points} points.")
+        });
         let mut suspects = study.suspected().iter();
         let suspect = suspects.find(|it| it.is_open() && it.subjects.contains(&conflict.subject));
         if let Some(suspect) = suspect {
@@ -198,17 +193,10 @@ fn not_met(view: View) -> Answer {
         lines.push(line);
     }
     let of_one = study.differences_of_one();
-    lines.extend(of_one.iter().map(|pair| {
-        vec![
-            piece(view, &pair.left),
-            text(" and "),
-            piece(view, &pair.right),
-            text(format!(
-                " differ on {} by {} points, which is said of one alone.",
-                view.short_title(&pair.subject),
-                number::decimal(100.0 * pair.difference.unwrap_or(0.0).abs(), 1)
-            )),
-        ]
+    lines.extend(of_one.into_iter().map(|pair| {
+        of_pair(view, pair, |on, points| {
+            format!("differ on {on} by {points} points, which is said of one alone.")
+        })
     }));
     let refuted = with(study, &[Verdict::Violated]).count();
     Answer {
@@ -225,6 +213,18 @@ fn not_met(view: View) -> Answer {
         },
         lines: shortened(lines, "verdict"),
     }
+}
+
+/// Both sides of a pair, and what is said of them with the subject and the difference in points.
+fn of_pair(view: View, pair: &Comparison, say: impl Fn(&str, &str) -> String) -> Vec<Part> {
+    let on = view.short_title(&pair.subject);
+    let points = number::decimal(100.0 * pair.difference.unwrap_or(0.0).abs(), 1);
+    vec![
+        piece(view, &pair.left),
+        text(" and "),
+        piece(view, &pair.right),
+        text(format!(" {}", say(&on, &points))),
+    ]
 }
 
 /// What is asked for, as far as a line has room for it.

@@ -226,7 +226,17 @@ impl<'a> Lineage<'a> {
 
     /// Why two pieces of evidence are not independent on a subject; `None` if they are.
     pub fn dependence(&self, first: &str, second: &str, subject: &Subject) -> Option<String> {
-        self.known_dependence(first, second, subject, true)
+        self.dependence_with(first, second, subject, true)
+    }
+
+    fn dependence_with(
+        &self,
+        first: &str,
+        second: &str,
+        subject: &Subject,
+        with_choices: bool,
+    ) -> Option<String> {
+        self.known_dependence(first, second, subject, with_choices)
             .or_else(|| self.data.paired(first, second).map(str::to_owned))
             .or_else(|| self.possible_copy(first, second, subject))
     }
@@ -259,9 +269,7 @@ impl<'a> Lineage<'a> {
         second: &str,
         subject: &Subject,
     ) -> Option<String> {
-        self.known_dependence(first, second, subject, false)
-            .or_else(|| self.data.paired(first, second).map(str::to_owned))
-            .or_else(|| self.possible_copy(first, second, subject))
+        self.dependence_with(first, second, subject, false)
     }
 
     /// Whether the evidence rests on no other on this subject but by texts that were chosen.
