@@ -33,6 +33,7 @@ mod measure;
 mod part;
 pub mod replay;
 mod requirement;
+mod resampled;
 mod sensitivity;
 mod step;
 mod synthesis;

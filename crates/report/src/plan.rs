@@ -87,7 +87,7 @@ fn outcomes(chance: f64, each: [(&str, f64); 3]) -> String {
 /// The trials that would settle a requirement, in the same words.
 pub fn deciding(one: &Deciding, costs: &TrialCosts) -> String {
     let Some(count) = one.trials else {
-        return format!("no number of trials in {} alone", one.evidence);
+        return format!("no plan of trials in {} alone was found", one.evidence);
     };
     let planned = PlannedTrials {
         evidence: one.evidence.clone(),
@@ -127,7 +127,7 @@ pub fn programme(programme: &Programme, costs: &TrialCosts) -> String {
     };
     if programme.beyond > 0 {
         let rest = format!(
-            "{} no further trials alone would decide.",
+            "For {} no plan of further trials was found.",
             pairs(programme.beyond)
         );
         words = format!("{words} {rest}").trim().to_owned();

@@ -376,7 +376,7 @@ fn further(page: &mut Page, view: View) {
     for one in current.iter().take(PLANS_SHOWN) {
         let words = match one.plans.first() {
             Some(first) => plan::plan(first, &synthesis.costs),
-            None => "no further trials alone".to_owned(),
+            None => "no plan of further trials was found".to_owned(),
         };
         let title = view.short_title(&one.subject);
         let text = format!("{} and {} on {title}: {words}", one.left, one.right);

@@ -255,6 +255,29 @@ impl Belief {
         }
     }
 
+    /// The same counts, with the looks of others before them.
+    pub fn after_looks_of(self, others: &Self) -> Self {
+        match (self, others) {
+            (
+                Self::Counts {
+                    sample,
+                    effective,
+                    clusters,
+                    completions,
+                    ..
+                },
+                Self::Counts { before, .. },
+            ) => Self::Counts {
+                sample,
+                effective,
+                clusters,
+                before: before.clone(),
+                completions,
+            },
+            (belief, _) => belief,
+        }
+    }
+
     /// The rate or probability.
     pub fn estimate(&self) -> f64 {
         match self {

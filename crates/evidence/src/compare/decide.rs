@@ -34,10 +34,11 @@
 //!
 //! # Guarantee
 //! The chance is exact for up to [`REPRESENTATIVES`] trials of one side, and else within 0.01
-//! (tested against the full sum). Where one side is a model's answer with uncertain constants, the posterior probabilities
+//! (tested against the full sum); of people whose counts are known by person it is held against the comparison's own tests (`people`). Where one side is a model's answer with uncertain constants, the posterior probabilities
 //! behind it are within 4e-3 for each end ([`stats::PosteriorPlaces`]). Clustered sides count trials at their design effect of today, of further subjects with as
 //! many trials each: more trials of the same subjects decide less often (`promised`).
 
+mod people;
 mod side;
 
 use super::{Belief, Levels, pair::Pair};
@@ -116,6 +117,8 @@ pub(crate) struct Planning<'a> {
     conflict: Confidence,
     power: f64,
     open: (bool, bool),
+    /// The level at which the size of a count by people is that of its interval.
+    confidence: Confidence,
 }
 
 impl<'a> Planning<'a> {
@@ -127,6 +130,7 @@ impl<'a> Planning<'a> {
             conflict,
             power: levels.power,
             open: (true, true),
+            confidence: levels.confidence,
         }
     }
 
@@ -143,14 +147,25 @@ impl<'a> Planning<'a> {
             self.open.0 && counted(first),
             self.open.1 && counted(second),
         );
-        let alone =
-            |possible: bool, share: f64| possible.then(|| self.along(share, costs)).flatten();
+        let kept = |plan: Plan| self.kept_by_people(plan, costs);
+        let alone = |possible: bool, share: f64| {
+            let plan = possible.then(|| self.along(share, costs)).flatten();
+            plan.and_then(kept)
+        };
+        let (first, second) = (alone(can.0, 1.0), alone(can.1, 0.0));
+        let mut both = (can.0 && can.1)
+            .then(|| self.along(self.best_share(costs)?, costs))
+            .flatten();
+        // Only a cheaper one is shown, and worth the draws.
+        let least = [first, second].into_iter().flatten();
+        let least = least.map(|plan| plan.cost).fold(f64::INFINITY, f64::min);
+        if both.is_some_and(|plan| plan.cost < least) {
+            both = both.and_then(kept);
+        }
         Plans {
-            first: alone(can.0, 1.0),
-            second: alone(can.1, 0.0),
-            both: (can.0 && can.1)
-                .then(|| self.along(self.best_share(costs)?, costs))
-                .flatten(),
+            first,
+            second,
+            both,
         }
     }
 

@@ -25,6 +25,7 @@ use super::decide::{Plan, Planning, Plans};
 use super::words::{list, percent};
 use super::{Belief, Study, pair::Pair, paired};
 use crate::looks::is_open;
+use crate::resampled::MOST_PEOPLE;
 use crate::{Comparison, Cost, Evidence, Finding, FurtherTrials, Measure, Outcome, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -421,9 +422,24 @@ fn name_trials(
     comparison.further_trials = further.collect();
     let words = match plans.cheapest() {
         Some(plan) => plan_in_words(&plan, &comparison.subject, pieces),
-        None => " Further trials alone would not decide.".to_owned(),
+        None => match [pair.first(), pair.second()]
+            .into_iter()
+            .zip([open.0, open.1])
+            .any(|(side, is_open)| is_open && is_by_subject(side))
+        {
+            true => format!(
+                " No plan of up to {MOST_PEOPLE} further people or sessions was found that would decide."
+            ),
+            false => " No plan of further trials was found that would decide.".to_owned(),
+        },
     };
     comparison.reason.push_str(&words);
+}
+
+/// Whether the counts are known by subject, so that further ones are planned by it.
+fn is_by_subject(belief: &Belief) -> bool {
+    let counts = belief.counts();
+    counts.is_some_and(|it| it.clusters.is_some_and(|all| all.subjects().is_some()))
 }
 
 fn plan_in_words(plan: &Plan, subject: &Subject, sides: [&Evidence; 2]) -> String {

@@ -528,7 +528,7 @@ impl Pair {
 
     /// The same for plans, which ask it of thousands of outcomes: between two counts by the larger p-value of Agresti and
     /// Caffo's variance and of the score, at [`PLANNED`] of the level, which shows it about as often as the exact test
-    /// (`stats::exact_equivalence` has the table).
+    /// (`stats::exact_equivalence` has the table), and of counts by subject by their likelihood, too.
     pub fn would_show_agreement(&self, level: Confidence) -> bool {
         use Belief::Counts;
         let (
@@ -551,7 +551,10 @@ impl Pair {
             let score = stats::score_equivalence(a, b, self.margin).unwrap_or(1.0);
             tost.map_or(1.0, |tost| tost.p_value()).max(score)
         };
-        let once = (at_effective_size(test, (*a, *ea), (*b, *eb)) / PLANNED).min(1.0);
+        let mut once = (at_effective_size(test, (*a, *ea), (*b, *eb)) / PLANNED).min(1.0);
+        if once <= level.alpha() {
+            once = once.max(self.equivalence_by_likelihood());
+        }
         let shown = match &self.past {
             Some((_, past)) => past.shows(self, Asked::Equivalence, once, level.alpha()),
             None => once <= level.alpha(),

@@ -1,14 +1,12 @@
 //! Plans of further people, held against the tests by which a verdict is made.
 //!
 //! # Definition
-//! A further person's rate is drawn from Jeffreys' posterior of one of those so far, each as likely as the others, and their trials from
-//! that rate. With so many further people the conclusion's own tests are asked ([`super::stand::at_one_look`]): how often, of [`DRAWS`]
+//! Further people are drawn as [`crate::resampled`] has it. With so many of them the conclusion's own tests are asked ([`super::stand::at_one_look`]): how often, of [`DRAWS`]
 //! draws, they show the threshold to be met or missed is the chance. Where it is clearly below the wanted power, the number of people is
-//! doubled, up to [`DOUBLINGS`] times; then there is no plan.
+//! doubled, up to [`MOST_PEOPLE`]; then there is no plan.
 //!
 //! # Source
-//! B. Efron, "Bootstrap methods: another look at the jackknife", The Annals of Statistics 7 (1979), with a posterior in place of each
-//! person's share, as A. O'Hagan, J. W. Stevens and M. J. Campbell, "Assurance in clinical trial design" (2005).
+//! A. O'Hagan, J. W. Stevens and M. J. Campbell, "Assurance in clinical trial design" (2005), by draws.
 //!
 //! # Assumes
 //! Further people are of the kinds of those so far. Of a piece that is looked at again each look has [`stats::SHARE_OF_A_LOOK`] of
@@ -20,19 +18,9 @@
 
 use super::stand::doubts;
 use crate::compare::{Belief, FurtherSubjects};
+use crate::resampled::{CLEARLY, DRAWS, MOST_EACH, MOST_PEOPLE, Resampled, growth};
 use crate::{Measure, Threshold};
-use stats::{BetaPosterior, Confidence, EffectiveSample, Sample};
-
-/// Draws of each number of people.
-const DRAWS: u64 = 40;
-/// How often the number is doubled.
-const DOUBLINGS: u32 = 5;
-/// A simulated chance below this share of the wanted one is clearly less.
-const CLEARLY: f64 = 0.8;
-/// More trials of one person than this are not drawn one by one.
-const MOST_EACH: u64 = 2_000;
-/// More people than this are not drawn.
-const MOST_PEOPLE: u64 = 400;
+use stats::{Confidence, Sample};
 
 /// Levels at which a threshold is shown to be met and to be missed.
 #[derive(Clone, Copy, Debug)]
@@ -72,15 +60,15 @@ pub(super) fn checked(
         return None;
     }
     let mut people = planned;
-    for _ in 0..=DOUBLINGS {
-        if people.subjects > MOST_PEOPLE {
-            return Some(None);
-        }
+    while people.subjects <= MOST_PEOPLE {
         let found = chances(&rows, people, (threshold, levels), level);
         if found.met + found.missed >= CLEARLY * power {
             return Some(Some(found));
         }
-        people.subjects *= 2;
+        let Some(growth) = growth(people.subjects) else {
+            break;
+        };
+        people.subjects = (people.subjects as f64 * growth).round() as u64;
     }
     Some(None)
 }
@@ -91,11 +79,10 @@ fn chances(
     (threshold, levels): (Threshold, Shown),
     level: Confidence,
 ) -> ByPeople {
-    let mut drawn = Drawn::default();
+    let mut drawn = Resampled::default();
     let (mut met, mut missed) = (0_u64, 0_u64);
     for _ in 0..DRAWS {
-        let mut all = rows.to_vec();
-        all.extend((0..people.subjects).map(|_| drawn.person(rows, people.each)));
+        let all = drawn.with_further(rows, people);
         let belief = Measure::of_clusters(&all, level).ok();
         let belief = belief.and_then(|measure| Belief::of(&measure).ok());
         let Some(belief) = belief else { continue };
@@ -108,40 +95,6 @@ fn chances(
         people,
         met: share(met),
         missed: share(missed),
-    }
-}
-
-/// Numbers that look drawn, the same each time (SplitMix64).
-struct Drawn(u64);
-
-impl Default for Drawn {
-    fn default() -> Self {
-        Self(0x5eed)
-    }
-}
-
-impl Drawn {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        bits ^= bits >> 31;
-        ((bits >> 11) as f64 + 0.5) / 2_f64.powi(53)
-    }
-
-    /// A further person like one of these.
-    fn person(&mut self, rows: &[Sample], each: u64) -> Sample {
-        let place = (self.uniform() * rows.len() as f64) as usize;
-        let one = rows[place.min(rows.len() - 1)];
-        self.of_rate(EffectiveSample::from(one), each)
-    }
-
-    /// So many trials of a rate that is drawn from Jeffreys' posterior of what is known.
-    fn of_rate(&mut self, known: EffectiveSample, trials: u64) -> Sample {
-        let rate = BetaPosterior::jeffreys(known).quantile(self.uniform());
-        let successes = (0..trials).filter(|_| self.uniform() < rate).count() as u64;
-        Sample { successes, trials }
     }
 }
 

@@ -137,11 +137,22 @@ fn why_not_planned(
                     .to_owned()
             }
         },
-        Some(piece) if piece.is_of_one_subject() => format!(
-            "All trials of {} are of {}; more of the same one decide nothing of others.",
-            piece.evidence.id,
-            piece.evidence.one_subject()
-        ),
+        Some(piece) if piece.is_of_one_subject() => {
+            let alone = pieces.iter().filter(|it| it.is_of_one_subject());
+            let others =
+                alone.filter(|it| it.counted.is_some() && it.evidence.technique.is_of_system());
+            let others = match others.count() {
+                0 | 1 => "",
+                _ => {
+                    " Each of several experiments is of one alone: rows of one table count together."
+                }
+            };
+            format!(
+                "All trials of {} are of {}; more of the same one decide nothing of others.{others}",
+                piece.evidence.id,
+                piece.evidence.one_subject()
+            )
+        }
         Some(piece) if piece.belief.has_undecided() && piece.belief.undecided() == 0 => format!(
             "Recordings of {} with the same messages count once and each: which is right has to be found out before further trials \
              are planned.",

@@ -277,7 +277,7 @@ fn further_words(view: View, further: &FurtherTrials) -> Markup {
     html! {
         @match further.trials {
             Some(trials) => { (number::count(trials)) " more trials of " (view.link(&further.evidence)) },
-            None => { "no number of trials of " (view.link(&further.evidence)) " alone" },
+            None => { "no plan of trials of " (view.link(&further.evidence)) " alone was found" },
         }
     }
 }
