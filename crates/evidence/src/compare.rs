@@ -288,6 +288,8 @@ struct Draft {
     pair: Option<Pair>,
     /// Why the pair cannot be compared, if it cannot.
     obstacle: Option<String>,
+    /// Why one side is refuted by there being the other.
+    impossible: Option<String>,
     /// The conditions of both sides, where they are comparable.
     conditions: String,
 }
@@ -350,6 +352,7 @@ fn draft(
         is_certain,
         pair,
         obstacle,
+        impossible: runs::impossible(sides.0, sides.1),
         conditions: left.conditions.clone(),
     })
 }
@@ -551,6 +554,10 @@ impl Draft {
     fn decide(mut self, levels: &Levels, family: usize) -> Comparison {
         match (self.pair.take(), self.obstacle.take()) {
             (Some(pair), None) => self.decide_tested(&pair, levels, family),
+            (None, Some(obstacle)) if self.impossible.is_some() => {
+                self.comparison.outcome = Outcome::Conflicts;
+                self.comparison.reason = self.impossible.take().unwrap_or(obstacle);
+            }
             (_, obstacle) => self.comparison.reason = obstacle.unwrap_or_default(),
         }
         if let Some(trigger) = &self.comparison.trigger

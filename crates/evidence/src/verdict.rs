@@ -54,6 +54,7 @@ pub struct Comparison {
     /// The later evidence.
     pub right: String,
     /// What the comparison shows; inconclusive, whatever `relation` says, where a side is of one person, session or other cluster alone.
+    /// A conflict without a difference is one with what a model computes to be impossible.
     pub outcome: Outcome,
     /// What the tests and the estimate show together, of which the outcome follows; `null` where they are not
     /// comparable.
@@ -104,6 +105,13 @@ pub struct Comparison {
 }
 
 impl Comparison {
+    /// Whether one side counts runs of which the other computes for certain that there are none: of what [`crate::compare()`] finds, a conflict
+    /// without a difference.
+    #[must_use]
+    pub fn is_with_the_impossible(&self) -> bool {
+        self.outcome == Outcome::Conflicts && self.difference.is_none()
+    }
+
     /// Which pieces conflict, and why: of one that conflicts.
     #[must_use]
     pub fn conflict_in_words(&self) -> String {

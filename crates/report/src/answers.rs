@@ -179,9 +179,16 @@ fn not_met(view: View) -> Answer {
     }
     lines.extend(beside);
     for conflict in study.open_conflicts() {
-        let mut line = of_pair(view, conflict, |on, points| {
-            format!("conflict on {on}: they differ by {points} points.")
-        });
+        let mut line = match conflict.is_with_the_impossible() {
+            true => vec![text(format!(
+                "On {}: {}",
+                view.short_title(&conflict.subject),
+                conflict.reason
+            ))],
+            false => of_pair(view, conflict, |on, points| {
+                format!("conflict on {on}: they differ by {points} points.")
+            }),
+        };
         let mut suspects = study.suspected().iter();
         let suspect = suspects.find(|it| it.is_open() && it.subjects.contains(&conflict.subject));
         if let Some(suspect) = suspect {

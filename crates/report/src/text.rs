@@ -416,6 +416,12 @@ fn outcomes(page: &mut Page, view: View) {
         );
         page.item("≠ of one alone: ", "", &words);
     }
+    for pair in study.open_conflicts() {
+        if pair.is_with_the_impossible() {
+            let title = view.short_title(&pair.subject);
+            page.item("≠ ", "31", &format!("On {title}: {}", pair.reason));
+        }
+    }
     let fits = study
         .comparisons
         .iter()

@@ -47,6 +47,7 @@ mod persistent_command;
 mod planted_clauses;
 mod planted_forms;
 mod planted_idle;
+mod planted_impossible;
 mod planted_lacking;
 mod planted_numbers;
 mod planted_phrases;

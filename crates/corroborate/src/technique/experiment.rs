@@ -46,6 +46,30 @@ use triggering::Triggering;
 /// More trials than any experiment has, and few enough for exact sums.
 const MOST_TRIALS: u64 = 1_000_000_000_000;
 
+/// A row that counts more trials than there were attempts.
+pub struct Excess {
+    /// Of what.
+    pub subject: Subject,
+    /// The trials that it counts.
+    pub trials: u64,
+    /// The attempts.
+    pub attempts: u64,
+    /// Where it stands.
+    pub place: RowPlace,
+}
+
+impl Excess {
+    /// The same for people.
+    pub fn in_words(&self) -> String {
+        format!(
+            "{} trials count for {} in {} attempts, and its property asks in how many runs it comes: a run counts once",
+            self.trials,
+            self.subject.in_words(),
+            self.attempts
+        )
+    }
+}
+
 /// The tables of one piece of evidence, checked.
 #[derive(Debug)]
 pub struct Tables {
@@ -311,7 +335,7 @@ impl Tables {
     }
 
     /// Rows that count more trials than there were attempts, of what is asked of each run once: by a property of a model.
-    pub fn more_than_attempts(&self, study: &Study) -> Vec<String> {
+    pub fn more_than_attempts(&self, study: &Study) -> Vec<Excess> {
         let Some(attempts) = self.attempts() else {
             return Vec::new();
         };
@@ -330,13 +354,11 @@ impl Tables {
         let rows = requirements.chain(modes);
         let rows =
             rows.filter(|(subject, trials, _)| *trials > attempts && is_asked_of_runs(subject));
-        rows.map(|(subject, trials, place)| {
-            format!(
-                "warning: {}: {trials} trials count for {} in {attempts} attempts, and its property asks in how many runs it comes: a run \
-                 counts once",
-                place.in_words(),
-                subject.in_words()
-            )
+        rows.map(|(subject, trials, place)| Excess {
+            subject,
+            trials,
+            attempts,
+            place: place.clone(),
         })
         .collect()
     }

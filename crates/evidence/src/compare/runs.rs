@@ -14,6 +14,9 @@
 //! set up are often arranged so that the trigger comes, and what others counted in tables may be only such runs. Elsewhere the
 //! reason is said in place of the comparison.
 //!
+//! One thing of it needs no population: what a model computes to be impossible for certain, and what others count, is refuted. That is a
+//! conflict, however the runs were set up, as far as both hold under the same conditions ([`impossible`]).
+//!
 //! # Assumes
 //! Runs of a model, of a simulator's own campaign and of operation come as the conditions have them. Their number was fixed
 //! in advance: the test of shares does not know of looks.
@@ -168,6 +171,46 @@ pub(super) fn triggers(
         Some(reason) => Some(Err(reason)),
         None => shares((left, of_left), (right, of_right), margin, levels).map(Ok),
     }
+}
+
+/// That one side computes for certain that no run comes to what triggers the subject, of which the other counted runs.
+pub(super) fn impossible(
+    (left, first): (&Evidence, &Finding),
+    (right, second): (&Evidence, &Finding),
+) -> Option<String> {
+    let never = |finding: &Finding| {
+        let trigger = finding.trigger.as_deref()?;
+        match Belief::of(trigger).ok()? {
+            Belief::Known { bounds, .. } => (bounds.high <= 0.0).then_some(()),
+            _ => None,
+        }
+    };
+    let counted = |finding: &Finding| match (&finding.measure, &finding.denominator) {
+        (Measure::Counts { trials, .. }, Denominator::Triggered | Denominator::Covered) => {
+            Some(*trials).filter(|trials| *trials > 0)
+        }
+        _ => None,
+    };
+    let (model, other, trials) = match (never(first), counted(second)) {
+        (Some(()), Some(trials)) => (left, right, trials),
+        _ => (right, left, never(second).and_then(|()| counted(first))?),
+    };
+    let (noun, came) = match (&first.subject, trials) {
+        (Subject::Requirement(_), 1) => ("triggers it", "1 run that does"),
+        (Subject::Requirement(_), _) => ("triggers it", "runs that do"),
+        (Subject::FailureMode(_), 1) => ("gives it an opportunity", "1 opportunity"),
+        (Subject::FailureMode(_), _) => ("gives it an opportunity", "opportunities"),
+    };
+    let came = match trials {
+        1 => came.to_owned(),
+        many => format!("{many} {came}"),
+    };
+    (left.conditions == right.conditions).then(|| {
+        format!(
+            "In {} no run {noun}, for certain, and {} counts {came}: what happened is not impossible.",
+            model.id, other.id
+        )
+    })
 }
 
 /// Why two shares of triggers are not known to be of the same population of runs, if they are not.

@@ -159,7 +159,13 @@ impl<'a> Matter<'a> {
             Subject::FailureMode(_) => true,
         };
         let all = self.comparisons.iter();
-        all.filter(|c| c.outcome == Outcome::Conflicts)
+        // What never came in one of them has no rate there.
+        let has_rates = |c: &Comparison| {
+            let sides = [&c.left, &c.right].map(|id| self.piece(id)?.finding(&c.subject));
+            let mut known = sides.into_iter().flatten();
+            !known.any(|it| matches!(it.measure, Measure::NotCovered { .. }))
+        };
+        all.filter(|c| c.outcome == Outcome::Conflicts && has_rates(c))
             .filter(|c| speaks(&c.left) && speaks(&c.right) && is_own(&c.subject))
             .collect()
     }

@@ -171,6 +171,17 @@ pub enum Symptom {
         /// Those of all other rows together.
         others: [u64; 2],
     },
+    /// A table counts more trials than there were attempts, of what a run is asked once.
+    MoreThanAttempts {
+        /// Of what.
+        subject: Subject,
+        /// The evidence.
+        evidence: String,
+        /// The trials that its row counts.
+        trials: u64,
+        /// The attempts.
+        attempts: u64,
+    },
     /// A solver's answer lies outside the bounds of a sound one.
     SolverStopped {
         /// Of what.

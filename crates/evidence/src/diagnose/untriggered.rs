@@ -3,13 +3,14 @@
 //! # Definition
 //! A model *never triggers* a subject if it computes a probability of exactly 0 for its trigger, by a method whose bounds
 //! hold; a simulator or recordings, if none of their runs does. Where another piece has it triggered in runs of the same
-//! population ([`crate::TriggerComparison`], whose test shows a difference), the model lacks what leads there. The strength is that of
+//! population ([`crate::TriggerComparison`], whose test shows a difference), or counts any that do, however they were set up
+//! ([`crate::Comparison::is_with_the_impossible`]), the model lacks what leads there. The same of a failure mode's opportunities. The strength is that of
 //! [`Rate::Never`] of a model, of the counted rate of others, against the other piece, the strongest of all such pieces. A model
-//! of probability 0 is what is wrong; of runs that never do, half the strength counts, as the other piece may be what is wrong, and
+//! of probability 0 is what is wrong, or the words by which it is asked, which are named with it; of runs that never do, half the strength counts, as the other piece may be what is wrong, and
 //! the words that runs are read through are named with them.
 //!
 //! # Assumes
-//! Both pieces are of one population of runs, as the comparison of their triggers asks. Trials are independent.
+//! Both pieces hold under the same conditions; where shares are compared, they are of one population of runs. Trials are independent.
 //!
 //! # Source and guarantee
 //! That something cannot happen is refuted by its happening. Nothing else would say so: with no run that triggers it, a
@@ -52,7 +53,9 @@ impl Matter<'_> {
     fn never_triggered(&self, model: &Evidence, never: Rate, subject: &Subject) -> Option<Clue> {
         let margin = self.margin(subject);
         let triggers = self.comparisons.iter().filter_map(|pair| {
-            let differs = pair.trigger.as_ref()?.outcome == Outcome::Conflicts;
+            let shares = pair.trigger.as_ref();
+            let differs = shares.is_some_and(|it| it.outcome == Outcome::Conflicts)
+                || pair.is_with_the_impossible();
             let other = match [&pair.left, &pair.right] {
                 [one, other] if one == &model.id => other,
                 [other, one] if one == &model.id => other,
@@ -61,7 +64,8 @@ impl Matter<'_> {
             let piece = self
                 .piece(other)
                 .filter(|_| differs && &pair.subject == subject)?;
-            let (rate, words) = match piece.finding(subject)?.trigger.as_deref() {
+            let finding = piece.finding(subject)?;
+            let (rate, words) = match finding.trigger.as_deref() {
                 Some(Measure::Counts { count, trials, .. }) if *count > 0 => (
                     Rate::counted(*count, *trials),
                     format!("in {count} of {trials} runs of {}", piece.id),
@@ -72,6 +76,14 @@ impl Matter<'_> {
                     let words = format!("with probability {:.4} in {}", answer.value, piece.id);
                     (Rate::Computed(answer.value), words)
                 }
+                // How many runs there were is not known, and that there was one is enough.
+                None => match finding.measure {
+                    Measure::Counts { trials, .. } if trials > 0 => (
+                        Rate::counted(trials, trials),
+                        format!("{trials} times in {}", piece.id),
+                    ),
+                    _ => return None,
+                },
                 _ => return None,
             };
             Some((strength(never, rate, margin), piece, rate, words))
@@ -82,11 +94,18 @@ impl Matter<'_> {
         let words: Vec<&str> = shown.iter().map(|(.., words)| words.as_str()).collect();
         let elsewhere = words.join(", ");
         let mut asset = self.asset_of(model, subject);
+        asset.together.push("vocabulary.toml".to_owned());
+        let [does, is_done] = match subject {
+            Subject::Requirement(_) => ["triggers it", "which is triggered"],
+            Subject::FailureMode(_) => [
+                "gives it an opportunity",
+                "of which there are opportunities",
+            ],
+        };
         let (score, explanation) = match never {
             Rate::Counted { .. } => {
-                asset.together.push("vocabulary.toml".to_owned());
                 let words = format!(
-                    "None of the runs of {} triggers it, which is triggered {elsewhere}: the runs do not lead there, or what they are \
+                    "None of the runs of {} {does}, {is_done} {elsewhere}: the runs do not lead there, or what they are \
                      read through does not show it.",
                     model.id
                 );
@@ -94,7 +113,8 @@ impl Matter<'_> {
             }
             Rate::Computed(_) | Rate::Never => {
                 let words = format!(
-                    "In {} it is triggered with probability 0, and {elsewhere}: the model lacks what leads there.",
+                    "In {} no run {does}, for certain, {is_done} {elsewhere}: the model lacks what leads there, or the words by \
+                     which it is asked mean something else.",
                     model.id
                 );
                 (*whole, words)
@@ -108,7 +128,16 @@ impl Matter<'_> {
             asset,
             subject: subject.clone(),
             score,
-            title: format!("{} never triggers {}", model.id, name_of(subject)),
+            title: match subject {
+                Subject::Requirement(_) => {
+                    format!("{} never triggers {}", model.id, name_of(subject))
+                }
+                Subject::FailureMode(_) => format!(
+                    "{} never gives {} an opportunity",
+                    model.id,
+                    name_of(subject)
+                ),
+            },
             explanation,
             symptom: Symptom::RateDiffers {
                 subject: subject.clone(),
@@ -123,7 +152,14 @@ impl Matter<'_> {
                 "against never being triggered, log10 Bayes factor",
                 *whole,
             )],
-            witnesses: self.witnesses(most, &runs, &format!("{} is triggered", name_of(subject))),
+            witnesses: self.witnesses(
+                most,
+                &runs,
+                &match subject {
+                    Subject::Requirement(_) => format!("{} is triggered", name_of(subject)),
+                    Subject::FailureMode(_) => format!("{} has an opportunity", name_of(subject)),
+                },
+            ),
             ruled_out: Vec::new(),
             resolved_by: None,
         })

@@ -38,7 +38,7 @@ pub fn render(view: View) -> Markup {
         dl class="glossary" {
             (term("Margin", "The largest difference of two rates that still counts as agreement. It is declared before comparing."))
             (outcome_term(Outcome::Corroborates, "The difference is shown to be smaller than the margin. Merely not finding a difference is not enough."))
-            (outcome_term(Outcome::Conflicts, "The difference is beyond chance, allowing for the number of comparisons made, and its estimate is the margin or more."))
+            (outcome_term(Outcome::Conflicts, "The difference is beyond chance, allowing for the number of comparisons made, and its estimate is the margin or more; or one computes to be impossible what the other counted."))
             (outcome_term(Outcome::Inconclusive, "Neither is shown, or a difference whose estimate lies within the margin. The report says how many further trials would probably decide."))
             (outcome_term(Outcome::NotComparable, "The two measure different things: other conditions, or one of them never saw the situation."))
             (term("Fit", "One side was tuned to the other, so their agreement is a fit. It shows that tuning worked and is not confirmation."))

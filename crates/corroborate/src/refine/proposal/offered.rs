@@ -103,11 +103,18 @@ impl Offered {
         }
     }
 
-    /// Leaves open what is for a subject of which one row of a table is suspected first: what is wrong in that row explains it, too.
+    /// Leaves open what is for a subject of which one row of a table is suspected first, for what it has or for how much it counts: what is
+    /// wrong in that row explains it, too.
     fn await_rows(&mut self, suspects: &[Suspect]) {
         let is_row = |it: &&Suspect| {
             let mut symptoms = it.symptoms.iter();
-            it.is_open() && symptoms.any(|one| matches!(one, Symptom::RowDiffers { .. }))
+            it.is_open()
+                && symptoms.any(|one| {
+                    matches!(
+                        one,
+                        Symptom::RowDiffers { .. } | Symptom::MoreThanAttempts { .. }
+                    )
+                })
         };
         for row in suspects.iter().filter(is_row) {
             for proposal in &mut self.proposals {

@@ -6,7 +6,7 @@ use trace::{Table, TableError};
 
 /// Where a row of a table stands, for what is said once the table is closed.
 #[derive(Clone, Debug)]
-pub(super) struct RowPlace {
+pub struct RowPlace {
     file: String,
     /// None of the headers.
     line: Option<u64>,
@@ -26,6 +26,11 @@ impl RowPlace {
             file: table.name().to_owned(),
             line: None,
         }
+    }
+
+    /// The line, where there is one.
+    pub fn line(&self) -> Option<u64> {
+        self.line
     }
 
     /// The file, and the line where there is one.

@@ -31,8 +31,11 @@ impl Technique for ReadTables<'_> {
         files: &Files<'_>,
     ) -> Result<Box<dyn Prepared + 'a>, Problem> {
         let tables = Tables::read_through(asked.study, self.files, files)?;
-        for line in tables.more_than_attempts(asked.study) {
-            asked.host.events.say(&line);
+        for row in tables.more_than_attempts(asked.study) {
+            asked
+                .host
+                .events
+                .say(&format!("warning: {}", row.in_words()));
         }
         Ok(Box::new(Ready {
             asked,

@@ -14,6 +14,7 @@ mod candidates;
 mod cells;
 pub(crate) mod edits;
 mod events;
+mod excess;
 mod formal;
 mod gates;
 mod lines;
@@ -84,6 +85,7 @@ pub fn diagnose(
     let offered = diagnosing.offered(&mut gathered)?;
     diagnosing.edits(&offered, &mut gathered)?;
     diagnosing.outliers(&mut gathered)?;
+    diagnosing.excesses(&mut gathered)?;
     gathered.clues.extend(drifts(study));
     diagnosing.drifted_constants(&mut gathered)?;
     let tables = tables_of(study);

@@ -1,7 +1,7 @@
 //! What recordings and results that are kept say beside their rates: which fields there are, and how often a subject is triggered.
 
 use super::Diagnosing;
-use evidence::{Evidence, Finding, Rate, Subject, signed_strength};
+use evidence::{Evidence, Finding, Measure, Rate, Subject, signed_strength};
 use recording::{InspectOptions, inspect};
 
 impl Diagnosing<'_> {
@@ -31,16 +31,23 @@ impl Diagnosing<'_> {
     }
 
     /// How strongly two pieces disagree on how often a subject is triggered, where one has it triggered in none of its runs and so
-    /// no rate; only where the two are of the same population of runs, which what they now differ in says.
+    /// no rate; only where the two are of the same population of runs, which what they now differ in says, or one says that it is
+    /// impossible.
     pub(super) fn never_triggered(&self, two: [&Evidence; 2], subject: &Subject) -> Option<f64> {
         let is_pair = |it: &&evidence::Comparison| {
             let sides = [&it.left, &it.right];
             &it.subject == subject && two.iter().all(|piece| sides.contains(&&piece.id))
         };
         let compared = self.result.comparisons.iter().find(is_pair)?;
-        compared.trigger.as_ref()?;
+        if compared.trigger.is_none() && !compared.is_with_the_impossible() {
+            return None;
+        }
         let rates = two.map(|piece| {
             let finding = piece.finding(subject)?;
+            // Of trials of which it is not known in how many runs they were.
+            if let (None, Measure::Counts { trials, .. }) = (&finding.trigger, &finding.measure) {
+                return Some(Rate::counted(*trials, *trials));
+            }
             let share = Finding {
                 measure: *finding.trigger.clone()?,
                 completions: None,
