@@ -406,7 +406,7 @@ impl StudyResult {
 
     /// Conflicts between current evidence, of requirements and failure modes: what exit codes, test cases and packs call a conflict. Of a
     /// requirement a piece is current that its conclusion rests on; of a failure mode one that some conclusion rests on, or
-    /// that none lays aside, since a piece may speak of failure modes alone.
+    /// that none lays aside, since a piece may speak of failure modes alone; so of a requirement that one side excludes.
     #[must_use]
     pub fn open_conflicts(&self) -> Vec<&Comparison> {
         let conflicts = self.comparisons.iter();
@@ -428,7 +428,11 @@ impl StudyResult {
 
     fn is_between_current(&self, pair: &Comparison) -> bool {
         let sides = [&pair.left, &pair.right];
-        sides.iter().all(|id| self.is_current(id, &pair.subject))
+        // No conclusion rests on a model that excludes what the requirement is about.
+        sides.iter().all(|id| match pair.is_with_the_impossible() {
+            true => self.speaks_anywhere(id),
+            false => self.is_current(id, &pair.subject),
+        })
     }
 
     fn is_current(&self, id: &String, subject: &Subject) -> bool {
@@ -436,11 +440,14 @@ impl StudyResult {
         let mut conclusions = self.conclusions.iter();
         match subject {
             Subject::Requirement(own) => conclusions.any(|it| it.requirement == *own && rests(it)),
-            Subject::FailureMode(_) => {
-                let mut excluded = self.conclusions.iter().flat_map(|it| &it.excluded);
-                conclusions.any(rests)
-                    || !excluded.any(|it| it.evidence == *id && it.reason.lays_aside())
-            }
+            Subject::FailureMode(_) => self.speaks_anywhere(id),
         }
+    }
+
+    /// Whether some conclusion rests on a piece, or none lays it aside.
+    fn speaks_anywhere(&self, id: &String) -> bool {
+        let mut excluded = self.conclusions.iter().flat_map(|it| &it.excluded);
+        self.conclusions.iter().any(|it| it.rests_on.contains(id))
+            || !excluded.any(|it| it.evidence == *id && it.reason.lays_aside())
     }
 }

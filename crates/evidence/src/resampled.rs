@@ -1,21 +1,23 @@
-//! Further people as those so far may have them: for plans that are held against the tests by which something is concluded.
+//! Further people as those so far tell of them: for plans that are held against the tests by which something is concluded.
 //!
 //! # Definition
-//! Each draw gives the people so far weights that are uniform over all that sum to one, since it is not known how common their kinds are.
-//! A further person is like one of them, drawn by these weights: their rate is drawn from Jeffreys' posterior of that one's trials, and
-//! their trials from that rate.
+//! People have rates of one beta distribution, as in the likelihood by which they are judged (`stats::BetaBinomial`). Its mean and
+//! correlation have the posterior of the counts so far, on a grid, with Jeffreys' prior of the mean and a flat one of the correlation. Each
+//! draw takes one pair of them; a further person's rate is drawn from that beta distribution, and their trials from that rate.
 //!
 //! # Source
-//! D. B. Rubin, "The Bayesian bootstrap", The Annals of Statistics 9 (1981), of people, with a posterior in place of each one's share.
+//! A. O'Hagan, J. W. Stevens and M. J. Campbell, "Assurance in clinical trial design" (2005): what is known now, not a guess at it. (A
+//! posterior of each person's own trials in place of the population's would draw rates towards one half, the more the fewer trials each has.)
 //!
 //! # Assumes
-//! Further people are of the kinds of those so far.
+//! Further people are of the population of those so far, whose rates have a beta distribution.
 //!
 //! # Guarantee
 //! The same numbers each time.
 
 use crate::FurtherSubjects;
-use stats::{BetaPosterior, EffectiveSample, Sample};
+use stats::{BetaBinomial, BetaPosterior, Sample};
+use std::f64::consts::FRAC_PI_2;
 
 /// Draws of each number of people.
 pub(crate) const DRAWS: u64 = 40;
@@ -29,6 +31,53 @@ pub(crate) const MOST_PEOPLE: u64 = 400;
 /// By how much a number of people grows that is clearly too small: twofold, up to [`MOST_PEOPLE`]; `None` where it is that.
 pub(crate) fn growth(people: u64) -> Option<f64> {
     (people < MOST_PEOPLE).then(|| (MOST_PEOPLE as f64 / people.max(1) as f64).min(2.0))
+}
+
+/// The share of draws that show something, as a chance: so many draws do not tell a chance of 99 % from certainty.
+pub(crate) fn chance(shown: u64) -> f64 {
+    (shown as f64 / DRAWS as f64).min(1.0 - 0.5 / DRAWS as f64)
+}
+
+/// Means and correlations of the grid.
+const MEANS: u32 = 160;
+const CORRELATIONS: u32 = 16;
+
+/// People so far, with what is known of all of their kind.
+pub(crate) struct Population<'a> {
+    rows: &'a [Sample],
+    /// Means and correlations, and the probability of all up to each.
+    upto: Vec<(f64, f64, f64)>,
+}
+
+impl<'a> Population<'a> {
+    /// Of the counts of each; `None` of fewer than two.
+    pub fn new(rows: &'a [Sample]) -> Option<Self> {
+        let fit = BetaBinomial::fit(rows).ok()?;
+        let best = fit.ln_likelihood(fit.mean, fit.intraclass_correlation);
+        let mut upto = Vec::with_capacity((MEANS * CORRELATIONS) as usize);
+        let mut sum = 0.0;
+        for i in 0..MEANS {
+            // Equally spaced in the angle: Jeffreys' prior.
+            let mean = (FRAC_PI_2 * (f64::from(i) + 0.5) / f64::from(MEANS))
+                .sin()
+                .powi(2);
+            for j in 0..CORRELATIONS {
+                // Closer together near independence, each with the width that it stands for.
+                let root = (f64::from(j) + 0.5) / f64::from(CORRELATIONS);
+                let correlation = root * root;
+                sum += root * (fit.ln_likelihood(mean, correlation) - best).exp();
+                upto.push((mean, correlation, sum));
+            }
+        }
+        (sum.is_finite() && sum > 0.0).then_some(Self { rows, upto })
+    }
+
+    fn at(&self, place: f64) -> (f64, f64) {
+        let sum = self.upto.last().map_or(0.0, |it| it.2);
+        let found = self.upto.partition_point(|it| it.2 < place * sum);
+        let (mean, correlation, _) = self.upto[found.min(self.upto.len() - 1)];
+        (mean, correlation)
+    }
 }
 
 /// Numbers that look drawn (SplitMix64), and people by them.
@@ -47,20 +96,19 @@ impl Resampled {
         Self(seed)
     }
 
-    /// These people and so many further ones.
-    pub fn with_further(&mut self, rows: &[Sample], people: FurtherSubjects) -> Vec<Sample> {
-        let mut upto = Vec::with_capacity(rows.len());
-        let mut sum = 0.0;
-        for _ in rows {
-            // Exponential weights over their sum are uniform over all weights.
-            sum -= self.uniform().ln();
-            upto.push(sum);
-        }
-        let mut all = rows.to_vec();
+    /// These people and so many further ones of their population.
+    pub fn with_further(
+        &mut self,
+        population: &Population<'_>,
+        people: FurtherSubjects,
+    ) -> Vec<Sample> {
+        let (mean, correlation) = population.at(self.uniform());
+        let precision = 1.0 / correlation - 1.0;
+        let rates = BetaPosterior::new(mean * precision, (1.0 - mean) * precision);
+        let mut all = population.rows.to_vec();
         for _ in 0..people.subjects {
-            let place = sum * self.uniform();
-            let like = upto.partition_point(|&end| end < place).min(rows.len() - 1);
-            let rate = self.rate(EffectiveSample::from(rows[like]));
+            let place = self.uniform();
+            let rate = rates.as_ref().map_or(mean, |it| it.quantile(place));
             let trials = people.each;
             let successes = (0..trials).filter(|_| self.uniform() < rate).count() as u64;
             all.push(Sample { successes, trials });
@@ -80,11 +128,6 @@ impl Resampled {
         values.last().map_or(0, |(value, _)| *value)
     }
 
-    /// A rate of Jeffreys' posterior of what is known.
-    fn rate(&mut self, known: EffectiveSample) -> f64 {
-        BetaPosterior::jeffreys(known).quantile(self.uniform())
-    }
-
     fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;
@@ -98,40 +141,62 @@ impl Resampled {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stats::Interval;
 
-    /// The mean of many further people scatters as much as the mean of those so far is uncertain.
-    #[test]
-    fn further_people_are_as_uncertain_as_those_so_far() {
-        let rows = [[2, 10], [9, 10], [10, 10], [8, 10], [9, 10], [10, 10]];
-        let rows = rows.map(|[successes, trials]| Sample { successes, trials });
+    /// The means of many further people over the draws: their centre, and how far they scatter.
+    fn drawn(rows: &[[u64; 2]]) -> (f64, f64) {
+        let rows: Vec<Sample> = rows
+            .iter()
+            .map(|&[successes, trials]| Sample { successes, trials })
+            .collect();
+        let population = Population::new(&rows).expect("several people");
         let mut drawn = Resampled::default();
         let people = FurtherSubjects {
-            subjects: 200,
+            subjects: 150,
             each: 10,
         };
-        let mean = |drawn: &mut Resampled| {
-            let all = drawn.with_further(&rows, people);
-            assert_eq!(all.len(), 206);
+        let mut mean = || {
+            let all = drawn.with_further(&population, people);
+            assert_eq!(all.len(), rows.len() + 150);
             let further = all[rows.len()..].iter();
-            further.map(|it| it.successes).sum::<u64>() as f64 / 2_000.0
+            further.map(|it| it.successes).sum::<u64>() as f64 / 1_500.0
         };
-        let means: Vec<f64> = (0..300).map(|_| mean(&mut drawn)).collect();
-        let centre = means.iter().sum::<f64>() / 300.0;
-        let spread = means.iter().map(|it| (it - centre).powi(2)).sum::<f64>() / 299.0;
-        // Of the posteriors' means 2.5/11, 9.5/11, ..., whose weights vary by 1/(n (n + 1)) times the sum of squares.
-        let places = rows.map(|it| (it.successes as f64 + 0.5) / 11.0);
-        let exact = places.iter().sum::<f64>() / 6.0;
-        let squares = places.iter().map(|it| (it - exact).powi(2)).sum::<f64>();
-        let expected = squares / 42.0;
-        assert!((centre - exact).abs() < 0.02, "{centre} {exact}");
-        let near = Interval {
-            low: 0.75 * expected,
-            high: 1.35 * expected,
-        };
+        let means: Vec<f64> = (0..400).map(|_| mean()).collect();
+        let centre = means.iter().sum::<f64>() / 400.0;
+        let squares = means.iter().map(|it| (it - centre).powi(2)).sum::<f64>();
+        (centre, (squares / 399.0).sqrt())
+    }
+
+    /// Rates are not drawn towards one half where each person has few trials, and are as uncertain as the people are few.
+    #[test]
+    fn further_people_are_like_those_so_far() {
+        // What a posterior of each person's own two trials made 0.83 of.
+        let (centre, _) = drawn(&[[2, 2]; 20]);
+        assert!(centre > 0.95, "{centre}");
+        let (centre, spread) = drawn(&[
+            [3, 6],
+            [6, 6],
+            [6, 6],
+            [5, 6],
+            [6, 6],
+            [4, 6],
+            [6, 6],
+            [6, 6],
+        ]);
+        assert!((centre - 42.0 / 48.0).abs() < 0.05, "{centre}");
+        assert!((0.04..0.12).contains(&spread), "{spread}");
+        // Many who are alike: nearly the binomial spread of what is known, and of what is drawn.
+        let (centre, spread) = drawn(&[[9, 10]; 40]);
+        let binomial = (0.09_f64 * (1.0 / 400.0 + 1.0 / 1_500.0)).sqrt();
+        assert!((centre - 0.9).abs() < 0.01, "{centre}");
         assert!(
-            (near.low..near.high).contains(&spread),
-            "{spread} {expected}"
+            (0.8..1.6).contains(&(spread / binomial)),
+            "{spread} {binomial}"
         );
+    }
+
+    #[test]
+    fn forty_draws_show_no_certainty() {
+        assert!(chance(DRAWS) < 0.99);
+        assert!((chance(20) - 0.5).abs() < 1e-12);
     }
 }

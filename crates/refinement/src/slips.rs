@@ -295,8 +295,9 @@ impl Ground<'_> {
                 values,
             })
         });
-        let mut explaining = self.explaining(own, before, tried.collect());
-        explaining.retain(|it| explains_all(&it.values));
+        // One that explains more of what it explains, and leaves another thing, does not stand before those that leave nothing.
+        let mut explaining =
+            self.explaining_where(explains_all, STRONG, (own, before), tried.collect());
         let Some(best) = explaining.first().map(|it| it.weight) else {
             return;
         };

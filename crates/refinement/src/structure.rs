@@ -292,6 +292,17 @@ impl Ground<'_> {
         before: &Values,
         all: Vec<Tried<C>>,
     ) -> Vec<Explaining<C>> {
+        self.explaining_where(|_| true, least, (own, before), all)
+    }
+
+    /// The same among those changes alone whose values are wanted; what was tried besides counts as tried.
+    pub(crate) fn explaining_where<C>(
+        &self,
+        is_wanted: impl Fn(&Values) -> bool,
+        least: f64,
+        (own, before): (&Evidence, &Values),
+        all: Vec<Tried<C>>,
+    ) -> Vec<Explaining<C>> {
         let is_moved = |after: &Values| {
             before.iter().any(|(subject, was)| {
                 let is = value_of(after, subject);
@@ -320,7 +331,7 @@ impl Ground<'_> {
                 let value = value_of(&it.values, subject);
                 value.is_some_and(|it| !self.gives_the_counts(own, (subject, it), REFUTED))
             });
-            if weight <= least || is_refuted || trial.is_harmful() {
+            if weight <= least || is_refuted || trial.is_harmful() || !is_wanted(&it.values) {
                 continue;
             }
             let distance = self.distance(own, &it.values);

@@ -65,6 +65,10 @@ endmodule
 
 /// The study with a word for what is weighed and so many that got stuck of so many that were, run.
 fn study(weighed: &str, stuck: usize, of: usize) -> Planted {
+    study_of(MODEL, weighed, stuck, of)
+}
+
+fn study_of(model: &str, weighed: &str, stuck: usize, of: usize) -> Planted {
     let folder = Planted::new();
     let words = format!(
         "[through]\nmeaning = \"it is through\"\nmodel = \"s=2\"\ncolumn = \"through\"\n[weighed]\nmeaning = \"it is weighed\"\n\
@@ -80,7 +84,7 @@ fn study(weighed: &str, stuck: usize, of: usize) -> Planted {
         ("requirements.toml", REQUIREMENTS),
         ("vocabulary.toml", &words),
         ("ledger.toml", LEDGER),
-        ("model.prism", MODEL),
+        ("model.prism", model),
         ("carts.csv", &format!("day,through,attempts,modes\n{carts}")),
         (
             "modes.csv",
@@ -131,6 +135,41 @@ fn what_a_model_excludes_and_people_counted_is_a_conflict() {
     let page = support::read(&folder.path().join("results/report.html"));
     assert!(page.contains("what happened is not impossible"));
     assert!(!page.contains("they differ by 0 points"));
+}
+
+/// A counter that begins at its end excludes all; that it begins at its beginning explains all, which other changes do in part, one of
+/// them with more weight.
+#[test]
+fn what_explains_all_that_is_excluded_is_offered() {
+    let tries = |first: u8| {
+        format!(
+            "dtmc
+module cart
+  s : [0..4] init 0;
+  tries : [0..3] init {first};
+  [] s=0 & tries<3 -> 0.7 : (s'=1) + 0.3 : (tries'=tries+1);
+  [] s=0 & tries=3 -> (s'=4);
+  [] s=1 -> 0.85 : (s'=2) + 0.15 : (s'=3);
+  [] s>1 -> true;
+endmodule
+"
+        )
+    };
+    let sound = study_of(&tries(0), "s=1", 54, 360);
+    assert_eq!(exit_code(&sound), 0);
+    let folder = study_of(&tries(3), "s=1", 54, 360);
+    let offered = folder.json("refine");
+    let proposals = offered["proposals"].as_array().expect("a list");
+    let titles: Vec<&str> = proposals
+        .iter()
+        .filter_map(|it| it["title"].as_str())
+        .collect();
+    assert!(
+        titles
+            .iter()
+            .any(|it| it.starts_with("M: `tries` begins with 0")),
+        "{titles:?}"
+    );
 }
 
 /// A model that is never asked, or of which it is not known that the probability is 0, is not refuted.

@@ -361,14 +361,29 @@ fn planned_trials(plan: &Plan, subject: &Subject, sides: [&Evidence; 2]) -> Vec<
         .collect()
 }
 
-/// Runs for each trial of a subject: the most trials of any finding are taken for the runs.
+/// Runs for each trial of a subject: the most trials of any requirement are taken for the runs, as a run may have several opportunities of
+/// a failure; where it has no requirement, those of any finding.
 fn runs_per_trial(piece: &Evidence, subject: &Subject) -> f64 {
     let trials = |finding: &Finding| match finding.measure {
         Measure::Counts { trials, .. } => trials,
         _ => 0,
     };
+    // Where it is known in how many runs it was triggered, these are the runs.
+    let runs = |finding: &Finding| match finding.trigger.as_deref() {
+        Some(Measure::Counts { trials, .. }) => *trials,
+        _ => trials(finding),
+    };
     let own = piece.finding(subject).map_or(0, trials);
-    let runs = piece.findings.iter().map(trials).max().unwrap_or(0);
+    let most = |of_requirements: bool| {
+        let all = piece.findings.iter();
+        let all =
+            all.filter(|it| !of_requirements || matches!(it.subject, Subject::Requirement(_)));
+        all.map(runs).max().unwrap_or(0)
+    };
+    let runs = match most(true) {
+        0 => most(false),
+        runs => runs,
+    };
     match own {
         0 => 1.0,
         own => runs as f64 / own as f64,

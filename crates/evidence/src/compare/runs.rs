@@ -186,9 +186,10 @@ pub(super) fn impossible(
         }
     };
     let counted = |finding: &Finding| match (&finding.measure, &finding.denominator) {
-        (Measure::Counts { trials, .. }, Denominator::Triggered | Denominator::Covered) => {
-            Some(*trials).filter(|trials| *trials > 0)
-        }
+        (
+            Measure::Counts { trials, .. },
+            Denominator::Triggered | Denominator::Covered | Denominator::EveryRun,
+        ) => Some(*trials).filter(|trials| *trials > 0),
         _ => None,
     };
     let (model, other, trials) = match (never(first), counted(second)) {

@@ -18,7 +18,9 @@
 
 use super::stand::doubts;
 use crate::compare::{Belief, FurtherSubjects};
-use crate::resampled::{CLEARLY, DRAWS, MOST_EACH, MOST_PEOPLE, Resampled, growth};
+use crate::resampled::{
+    CLEARLY, DRAWS, MOST_EACH, MOST_PEOPLE, Population, Resampled, chance, growth,
+};
 use crate::{Measure, Threshold};
 use stats::{Confidence, Sample};
 
@@ -59,9 +61,14 @@ pub(super) fn checked(
     if rows.len() < 2 || planned.each > MOST_EACH {
         return None;
     }
-    let mut people = planned;
+    let population = Population::new(&rows)?;
+    // A plan at the effective size may be for more people than these tests need.
+    let mut people = FurtherSubjects {
+        subjects: planned.subjects.min(MOST_PEOPLE),
+        ..planned
+    };
     while people.subjects <= MOST_PEOPLE {
-        let found = chances(&rows, people, (threshold, levels), level);
+        let found = chances(&population, people, (threshold, levels), level);
         if found.met + found.missed >= CLEARLY * power {
             return Some(Some(found));
         }
@@ -74,7 +81,7 @@ pub(super) fn checked(
 }
 
 fn chances(
-    rows: &[Sample],
+    population: &Population<'_>,
     people: FurtherSubjects,
     (threshold, levels): (Threshold, Shown),
     level: Confidence,
@@ -82,7 +89,7 @@ fn chances(
     let mut drawn = Resampled::default();
     let (mut met, mut missed) = (0_u64, 0_u64);
     for _ in 0..DRAWS {
-        let all = drawn.with_further(rows, people);
+        let all = drawn.with_further(population, people);
         let belief = Measure::of_clusters(&all, level).ok();
         let belief = belief.and_then(|measure| Belief::of(&measure).ok());
         let Some(belief) = belief else { continue };
@@ -90,7 +97,8 @@ fn chances(
         met += u64::from(not_met <= levels.met);
         missed += u64::from(is_met <= levels.missed);
     }
-    let share = |count: u64| count as f64 / DRAWS as f64;
+    let both = chance(met + missed);
+    let share = |count: u64| both * count as f64 / (met + missed).max(1) as f64;
     ByPeople {
         people,
         met: share(met),

@@ -22,7 +22,9 @@
 use super::side::Side;
 use super::{MOST_TRIALS, Plan, Planning};
 use crate::compare::Belief;
-use crate::resampled::{CLEARLY, DRAWS, MOST_EACH, MOST_PEOPLE, Resampled, growth};
+use crate::resampled::{
+    CLEARLY, DRAWS, MOST_EACH, MOST_PEOPLE, Population, Resampled, chance, growth,
+};
 use crate::{FurtherSubjects, Measure};
 use stats::{Confidence, Sample};
 
@@ -42,7 +44,16 @@ impl Planning<'_> {
         if by_people.iter().all(Option::is_none) {
             return Some(plan);
         }
+        let populations = by_people.map(|rows| rows.and_then(Population::new));
         let mut trials = [plan.trials.0, plan.trials.1];
+        // A plan at the effective size may be for more people than the comparison's tests need.
+        let planned = by_people.iter().zip(trials);
+        let planned = planned.filter_map(|(rows, trials)| Some(people((*rows)?, trials).subjects));
+        let most = planned.max().unwrap_or(0);
+        if most > MOST_PEOPLE {
+            let part = MOST_PEOPLE as f64 / most as f64;
+            trials = trials.map(|it| (it as f64 * part).floor() as u64);
+        }
         loop {
             let mut further = Vec::with_capacity(2);
             let mut most = 0;
@@ -54,8 +65,8 @@ impl Planning<'_> {
                 most = most.max(people.map_or(0, |it| it.subjects));
                 // Whole people make whole multiples of their trials.
                 trials[place] = people.map_or(trials[place], FurtherSubjects::trials);
-                further.push(match (rows, people) {
-                    (Some(rows), Some(people)) => Further::People(rows, people),
+                further.push(match (&populations[place], people) {
+                    (Some(population), Some(people)) => Further::People(population, people),
                     _ => Further::of_trials(sides[place], trials[place]),
                 });
             }
@@ -103,15 +114,16 @@ impl Planning<'_> {
                 conflict += 1;
             }
         }
-        let share = |count: u64| count as f64 / DRAWS as f64;
+        let both = chance(agreement + conflict);
+        let share = |count: u64| both * count as f64 / (agreement + conflict).max(1) as f64;
         Some((share(agreement), share(conflict)))
     }
 }
 
 /// What a plan adds to a side.
 enum Further<'a> {
-    /// People, to these.
-    People(&'a [Sample], FurtherSubjects),
+    /// People of this population.
+    People(&'a Population<'a>, FurtherSubjects),
     /// Independent trials, or nothing, with the successes they may bring and the weight of each.
     Trials(Side<'a>, Vec<(u64, f64)>),
 }
@@ -127,8 +139,8 @@ impl<'a> Further<'a> {
     fn drawn(&self, now: &Belief, by: &mut Resampled, level: Confidence) -> Option<Belief> {
         match self {
             Self::Trials(side, outcomes) => Some(side.after(by.weighted(outcomes))),
-            Self::People(rows, people) => {
-                let all = by.with_further(rows, *people);
+            Self::People(population, people) => {
+                let all = by.with_further(population, *people);
                 let belief = Belief::of(&Measure::of_clusters(&all, level).ok()?).ok()?;
                 Some(belief.after_looks_of(now))
             }
@@ -207,8 +219,9 @@ mod tests {
             assert_eq!(plan.trials.0 % 34, 0, "{plan:?}");
             let first = twelve();
             let rows = rows(&first).expect("people");
+            let population = Population::new(rows).expect("several");
             let further = [
-                Further::People(rows, people(rows, plan.trials.0)),
+                Further::People(&population, people(rows, plan.trials.0)),
                 Further::of_trials(&other, 0),
             ];
             let sides = [&first, &other];
