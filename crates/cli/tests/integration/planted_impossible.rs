@@ -172,6 +172,26 @@ endmodule
     );
 }
 
+/// The same of a requirement, on which no conclusion rests on the model: the study does not hold all the same.
+#[test]
+fn a_requirement_that_the_model_never_triggers_is_no_agreement() {
+    let folder = study("s=4", 54, 360);
+    let requirements = REQUIREMENTS.replace(
+        "property = 'P=? [ F \"through\" ]'",
+        "property = 'P=? [ F \"through\" ]'\ntrigger = 'P=? [ F \"weighed\" ]'",
+    );
+    let mode = requirements.find("[[failure_mode]]").expect("a mode");
+    folder.write("requirements.toml", &requirements[..mode]);
+    let ledger = LEDGER.replace("tables.failure_modes = \"modes.csv\"\n", "");
+    folder.write("ledger.toml", &ledger);
+    folder.run();
+    let pair = folder.json("compare")["comparisons"][0].clone();
+    assert_eq!(pair["outcome"], "conflicts", "{pair}");
+    assert_eq!(exit_code(&folder), 1);
+    let page = support::read(&folder.path().join("results/report.html"));
+    assert!(!page.contains("nothing conflicts"));
+}
+
 /// A model that is never asked, or of which it is not known that the probability is 0, is not refuted.
 #[test]
 fn what_nobody_counted_is_no_conflict() {

@@ -62,6 +62,40 @@ fn the_column_of_what_triggers_it_says_which_attempts_count() {
     assert_eq!(said.code, 0, "{said:?}");
 }
 
+/// A row of the failure mode's own that says the same as the cohort does not take away who did what.
+#[test]
+fn a_row_that_repeats_the_cohort_leaves_its_people() {
+    let vocabulary = VOCABULARY.replace("STUMBLED", "stumbled");
+    let ledger = format!("{LEDGER}tables.failure_modes = \"modes.csv\"\n");
+    let (_, alone) = findings(&vocabulary, LEDGER, &cohort("stumbled", 2));
+    let (_, repeated) = findings(&vocabulary, &ledger, &cohort("stumbled", 2));
+    assert!(!alone[1]["measure"]["by_subject"].is_null(), "{alone:?}");
+    assert_eq!(alone[1]["measure"], repeated[1]["measure"]);
+}
+
+/// One who is caught more often than they stumble: the row is wrong, and is not a reason to take all attempts for trials.
+#[test]
+fn a_row_with_more_successes_than_triggers_is_refused() {
+    let vocabulary = VOCABULARY.replace("STUMBLED", "stumbled");
+    let study = Planted::new();
+    for (name, text) in [
+        ("study.toml", STUDY),
+        ("requirements.toml", REQUIREMENTS),
+        ("vocabulary.toml", &vocabulary),
+        ("ledger.toml", LEDGER),
+        (
+            "cohort.csv",
+            &cohort("stumbled", 2).replace("p4,20,7,7,0", "p4,20,7,8,0"),
+        ),
+    ] {
+        study.write(name, text);
+    }
+    let said = support::program::corroborate(study.path(), &["run", ".", "--quiet"]);
+    assert_eq!(said.code, 2, "{said:?}");
+    assert!(said.talk.contains("error[tables-disagree]"), "{said:?}");
+    assert!(said.talk.contains("cohort.csv:6"), "{said:?}");
+}
+
 #[test]
 fn the_opportunities_of_a_failure_mode_that_is_triggered_alike_do_it_in_all() {
     let vocabulary = VOCABULARY.replace(", column = \"STUMBLED\"", "");

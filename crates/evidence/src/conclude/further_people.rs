@@ -68,9 +68,14 @@ pub(super) fn checked(
         ..planned
     };
     while people.subjects <= MOST_PEOPLE {
-        let found = chances(&population, people, (threshold, levels), level);
+        let asked = |people| chances(&population, people, (threshold, levels), level);
+        let found = asked(people);
         if found.met + found.missed >= CLEARLY * power {
-            return Some(Some(found));
+            let is_cut = people.subjects < planned.subjects;
+            return Some(Some(match is_cut {
+                true => fewest(found, power, asked),
+                false => found,
+            }));
         }
         let Some(growth) = growth(people.subjects) else {
             break;
@@ -78,6 +83,25 @@ pub(super) fn checked(
         people.subjects = (people.subjects as f64 * growth).round() as u64;
     }
     Some(None)
+}
+
+/// The fewest people, by halving, that have the wanted chance, where so many have it.
+fn fewest(enough: ByPeople, power: f64, asked: impl Fn(FurtherSubjects) -> ByPeople) -> ByPeople {
+    let mut enough = enough;
+    loop {
+        let half = FurtherSubjects {
+            subjects: enough.people.subjects / 2,
+            ..enough.people
+        };
+        if half.subjects == 0 {
+            return enough;
+        }
+        let found = asked(half);
+        if found.met + found.missed < power {
+            return enough;
+        }
+        enough = found;
+    }
 }
 
 fn chances(

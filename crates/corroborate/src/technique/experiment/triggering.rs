@@ -5,7 +5,8 @@
 //! attempts in which it did:
 //!
 //! * by subject, where the proposition has a column of the cohort and no subject has more successes (or failures) than that:
-//!   then the one was counted among the other;
+//!   then the one was counted among the other. A row of the failure mode's own with the same opportunities in all says nothing else. Where
+//!   fewer than half of the subjects have more of the one, their rows contradict the others, and are refused;
 //! * in all, where a failure mode of the same opportunity has a row with its opportunities.
 //!
 //! # Why
@@ -16,10 +17,10 @@
 //! An attempt triggers it at most once.
 //!
 //! # Guarantee
-//! Counts are those of the tables. A success column that counts attempts without the trigger, too, is not taken for one among the
+//! Counts are those of the tables. A success column that counts more attempts than the trigger's is not taken for one among the
 //! trigger's.
 
-use super::Tables;
+use super::{Tables, in_row};
 use diagnostic::Problem;
 use evidence::Subject;
 use stats::Sample;
@@ -44,13 +45,20 @@ impl Triggering {
 }
 
 impl Tables {
-    /// In which trials of the cohort it was triggered; `None` where the tables have a row of its own, or do not say it.
+    /// In which trials of the cohort it was triggered; `None` where the tables have a row of its own that says otherwise, or do not say it.
+    ///
+    /// # Errors
+    /// `tables-disagree` at a row with more successes than trials, where the others have fewer.
     pub(super) fn triggering(
         &self,
         study: &Study,
         form: &SubjectForm,
     ) -> Result<Option<Triggering>, Problem> {
-        let (None, Some(cohort)) = (self.covered(&form.subject), &self.cohort) else {
+        let own = match &form.subject {
+            Subject::Requirement(_) if self.covered(&form.subject).is_some() => return Ok(None),
+            _ => self.covered(&form.subject),
+        };
+        let Some(cohort) = &self.cohort else {
             return Ok(None);
         };
         let Some(condition) = condition(form) else {
@@ -68,12 +76,40 @@ impl Tables {
         {
             let triggers = cohort.counts(&binding.text)?;
             let among = counted.iter().zip(&triggers);
-            let among: Option<Vec<Sample>> = among
-                .map(|(counted, trigger)| Sample::new(counted.successes, trigger.successes).ok())
-                .collect();
-            if let Some(among) = among {
-                return Ok(Some(Triggering::BySubject(among)));
+            let is_more = |(one, trigger): (&Sample, &Sample)| one.successes > trigger.successes;
+            let more = among.clone().filter(|it| is_more(*it)).count();
+            // A column that counts other attempts, too, has more in most rows.
+            let of_others = 2 * more >= counted.len();
+            let first = among.clone().position(is_more);
+            match first {
+                Some(row) if !of_others => {
+                    let message = format!(
+                        "{} are counted for {} in this row, of {} in which {} came: there are at most as many",
+                        counted[row].successes,
+                        form.subject.in_words(),
+                        triggers[row].successes,
+                        condition.text
+                    );
+                    return Err(in_row(&cohort.table, row, "tables-disagree", message).remedy(
+                        "correct the row; or, if one of the columns counts something else, name another column in vocabulary.toml",
+                    ));
+                }
+                Some(_) => {}
+                None => {
+                    let among = among.map(|(counted, trigger)| Sample {
+                        successes: counted.successes,
+                        trials: trigger.successes,
+                    });
+                    let among: Vec<Sample> = among.collect();
+                    let trials = among.iter().map(|it| it.trials).sum::<u64>();
+                    if own.is_none_or(|own| own == trials) {
+                        return Ok(Some(Triggering::BySubject(among)));
+                    }
+                }
             }
+        }
+        if own.is_some() {
+            return Ok(None);
         }
         let count: u64 = counted.iter().map(|it| it.successes).sum();
         let attempts: u64 = cohort.attempts.iter().sum();
