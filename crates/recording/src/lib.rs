@@ -15,6 +15,7 @@
 //! | raw messages as they come, kept | [`RawRecording`], [`TypeDefinitions`] |
 //! | moving shapes as a recording for Foxglove | [`SceneFile`] |
 //! | verdicts as a recording, beside the original | [`VerdictFile`] |
+//! | tables in Parquet, written and read | [`ParquetWriter`], [`ParquetTable`] |
 //! | traces as MCAP files, lossless and reproducible to the byte | [`write_mcap`], [`read_mcap`] |
 //!
 //! | format | topics | order | checked | what is recovered of a damaged file |
@@ -65,7 +66,10 @@ mod raw_writer;
 mod scene_file;
 mod type_definitions;
 
-pub use parquet::{Cell, ParquetColumn, ParquetError, ParquetType, ParquetWriter};
+pub use parquet::{
+    Cell, ParquetColumn, ParquetError, ParquetReadError, ParquetRows, ParquetTable, ParquetType,
+    ParquetWriter,
+};
 pub use raw_writer::{RawRecording, RawTopicId, RawWriteError};
 pub use scene_file::{SceneFile, SceneForm, ScenePose, SceneShape};
 pub use type_definitions::TypeDefinitions;

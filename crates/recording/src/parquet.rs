@@ -1,4 +1,4 @@
-//! Tables in Apache Parquet, written in one pass.
+//! Tables in Apache Parquet, written in one pass; read in [`read`].
 //!
 //! # Definition
 //! A file is `PAR1`, row groups, a footer, the footer's length (4 bytes, little endian), `PAR1`. In
@@ -34,11 +34,13 @@
 
 mod column;
 mod footer;
+mod read;
 mod thrift;
 
 use column::Buffer;
 pub use column::{Cell, ParquetColumn, ParquetType};
 use footer::{Chunk, Group};
+pub use read::{ParquetReadError, ParquetRows, ParquetTable};
 use std::fmt;
 use std::io::Write;
 

@@ -12,15 +12,28 @@ use recording::{
 };
 use trace::{Field, Trace};
 
-type Checked = Result<(), Box<dyn std::error::Error>>;
+pub(crate) type Checked = Result<(), Box<dyn std::error::Error>>;
 
 /// Runs a script of `tests/python` on a file and gives what it prints.
 fn python(script: &str, file: &Path) -> Result<String, Box<dyn std::error::Error>> {
+    python_script(script, file, &[])
+}
+
+/// The same with arguments behind the file.
+pub(crate) fn python_script(
+    script: &str,
+    file: &Path,
+    arguments: &[&str],
+) -> Result<String, Box<dyn std::error::Error>> {
     let interpreter = std::env::var("CORROBORATE_PYTHON").unwrap_or("python3".to_owned());
     let script = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests/python")
         .join(script);
-    let output = Command::new(interpreter).arg(script).arg(file).output()?;
+    let output = Command::new(interpreter)
+        .arg(script)
+        .arg(file)
+        .args(arguments)
+        .output()?;
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into());
     }

@@ -5,6 +5,7 @@ mod decode;
 mod foreign_readers;
 mod frames;
 mod mcap;
+mod parquet_tables;
 mod rosbags;
 mod rows;
 mod signals;
