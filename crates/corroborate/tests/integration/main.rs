@@ -2,6 +2,7 @@
 
 mod all_mistakes;
 mod bad_files;
+mod datasets;
 mod episodes;
 mod exchange;
 mod exploring;

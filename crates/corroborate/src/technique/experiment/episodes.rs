@@ -9,13 +9,14 @@
 //! |---|---|---|---|---|
 //! | `eval_info.json` with `per_episode` (older) | `success` of each | the file's | `seed` | the file |
 //! | `eval_info.json` with `per_task` (newer) | `metrics.successes` | `task_group/task_id` | not told | the file |
-//! | a dataset with `meta/info.json` of version 2 | `success` in `meta/episodes.jsonl` | `tasks` | not told | the folder |
+//! | a dataset with `meta/info.json` ([`dataset`]) | `success` of the episode, or `next.success` of its frames | `tasks` | not told | the folder |
 //! | a table in CSV | a row each, `success`, and every column of truth values | `task` | `seed` | `checkpoint` |
 //!
-//! A file that holds several evaluations under names of their own has a checkpoint for each. In a folder all files `eval_info.json` are read, each a checkpoint by its folder's name.
+//! A file that holds several evaluations under names of their own has a checkpoint for each. In a folder all files `eval_info.json` are read, each a checkpoint by its folder's name;
+//! if there are none, all datasets below it.
 //!
 //! # Source
-//! LeRobot's `lerobot_eval.py` (both layouts) and its documentation of datasets, versions 2.1 and 3.0.
+//! LeRobot's `lerobot_eval.py` (both layouts).
 //!
 //! # Assumes
 //! Episodes of different clusters are independent. Nothing is assumed of episodes of one cluster.
@@ -24,6 +25,8 @@
 //! What a file says of its own sums (`pc_success`, `n_episodes`) is held against its episodes. The same seed of the same task and
 //! checkpoint counts once: a second one is refused, as are the same episode's number or task twice in one file, and two files of
 //! the same bytes, which are one evaluation under two names. An episode that does not say whether it succeeded is refused, not left out.
+
+mod dataset;
 
 use super::placed::{in_row, table_problem};
 use crate::technique::files::Files;
@@ -59,6 +62,8 @@ struct Episode {
     counted: Vec<(String, bool)>,
     /// The value of the column that is the cluster, where it is another one.
     other: Option<String>,
+    /// Whether it is of a dataset, which has the episodes that were saved.
+    is_saved: bool,
 }
 
 /// Reads the episodes of a file or folder, a path relative to the study's.
@@ -76,25 +81,15 @@ pub(super) fn read(
             true => episodes.extend(evaluation(&source, &named(path))?),
             false => episodes.extend(of_table(&source, cluster)?),
         }
-    } else if whole.join("meta/info.json").exists() {
-        episodes.extend(dataset(path, reader)?);
+    } else if whole.join(dataset::INFO).exists() {
+        episodes.extend(dataset::read(path, &study.folder, reader)?.episodes);
     } else {
-        let mut known: BTreeMap<String, PathBuf> = BTreeMap::new();
-        for file in evaluations(&study.folder, path)? {
-            let source = reader.text(AssetRole::Data, &file)?;
-            if let Some(first) = known.insert(source.text.clone(), file.clone()) {
-                let message = format!(
-                    "{} has the same bytes as {}: it is one evaluation under two names",
-                    file.display(),
-                    first.display()
-                );
-                return Err(bad(&source, "", message).remedy(COPIED));
-            }
-            let below = file.strip_prefix(path).unwrap_or(&file);
-            episodes.extend(evaluation(
-                &source,
-                &named(below.parent().unwrap_or(below)),
-            )?);
+        let found = below(&study.folder, path, &|folder| {
+            folder.join(EVAL_INFO).is_file()
+        })?;
+        match found.is_empty() {
+            false => episodes.extend(evaluations(path, &found, reader)?),
+            true => episodes.extend(dataset::all_below(&study.folder, path, reader)?),
         }
     }
     cohort(&path.display().to_string(), cluster, &episodes)
@@ -111,39 +106,57 @@ fn bad(source: &Source, word: &str, message: impl Into<String>) -> Problem {
     Problem::new("bad-evaluation", message).at(source, quoted(source, word))
 }
 
-/// The files of evaluations in a folder and those below it, in the order of their names.
-fn evaluations(study: &Path, path: &Path) -> Result<Vec<PathBuf>, Problem> {
+/// The folders at and below a path for which `is_wanted` holds, in the order of their names. Below one of them none is looked for
+/// unless it is the path itself.
+fn below(
+    study: &Path,
+    path: &Path,
+    is_wanted: &dyn Fn(&Path) -> bool,
+) -> Result<Vec<PathBuf>, Problem> {
     const DEEPEST: usize = 12;
-    let mut files = Vec::new();
+    let mut found = Vec::new();
     let mut folders = vec![(path.to_owned(), 0)];
     while let Some((folder, depth)) = folders.pop() {
         let whole = study.join(&folder);
+        if is_wanted(&whole) {
+            found.push(folder.clone());
+        }
         let cannot = |error: std::io::Error| Problem::cannot_read(&whole, &error);
         for entry in std::fs::read_dir(&whole).map_err(cannot)? {
             let entry = entry.map_err(cannot)?;
-            let own = folder.join(entry.file_name());
             // A link to a folder may lead back.
-            let is_folder = entry.file_type().map_err(cannot)?.is_dir();
-            if is_folder && depth < DEEPEST {
-                folders.push((own, depth + 1));
-            } else if entry.file_name() == EVAL_INFO {
-                files.push(own);
+            if entry.file_type().map_err(cannot)?.is_dir() && depth < DEEPEST {
+                folders.push((folder.join(entry.file_name()), depth + 1));
             }
         }
     }
-    files.sort();
-    match files.is_empty() {
-        false => Ok(files),
-        true => {
+    found.sort();
+    Ok(found)
+}
+
+/// The episodes of all evaluations in these folders.
+fn evaluations(
+    path: &Path,
+    folders: &[PathBuf],
+    reader: &Files<'_>,
+) -> Result<Vec<Episode>, Problem> {
+    let mut known: BTreeMap<String, PathBuf> = BTreeMap::new();
+    let mut episodes = Vec::new();
+    for folder in folders {
+        let file = folder.join(EVAL_INFO);
+        let source = reader.text(AssetRole::Data, &file)?;
+        if let Some(first) = known.insert(source.text.clone(), file.clone()) {
             let message = format!(
-                "{} has neither {EVAL_INFO} nor meta/info.json",
-                path.display()
+                "{} has the same bytes as {}: it is one evaluation under two names",
+                file.display(),
+                first.display()
             );
-            Err(Problem::new("bad-evaluation", message).remedy(
-                "name the folder of LeRobot's evaluations or of a dataset, or a table in CSV",
-            ))
+            return Err(bad(&source, "", message).remedy(COPIED));
         }
+        let own = folder.strip_prefix(path).unwrap_or(folder);
+        episodes.extend(evaluation(&source, &named(own))?);
     }
+    Ok(episodes)
 }
 
 /// Reads a part of a text as JSON as Python writes it, in which a number may be `NaN` or `Infinity`.
@@ -257,6 +270,7 @@ fn one_evaluation(
             checkpoint: Some(checkpoint.to_owned()),
             counted: outcome(success),
             other: None,
+            is_saved: false,
         });
     };
     if let Some(Value::Array(all)) = root.get("per_episode") {
@@ -366,60 +380,6 @@ fn held_against(
     Ok(())
 }
 
-/// The episodes of a dataset.
-fn dataset(path: &Path, reader: &Files<'_>) -> Result<Vec<Episode>, Problem> {
-    let about = reader.text(AssetRole::Data, &path.join("meta/info.json"))?;
-    let info = json(&about, 0, &about.text)?;
-    let version = info
-        .get("codebase_version")
-        .and_then(Value::as_str)
-        .unwrap_or_default();
-    if !version.starts_with("v2.") {
-        let message = format!(
-            "the dataset's version is `{version}`, and its episodes are not in a file of JSON lines"
-        );
-        return Err(bad(&about, "codebase_version", message).remedy(
-            "write a table in CSV with a row for each episode (columns success, task, seed, checkpoint), and name that",
-        ));
-    }
-    let source = reader.text(AssetRole::Data, &path.join("meta/episodes.jsonl"))?;
-    let mut episodes = Vec::new();
-    let mut numbers: BTreeSet<String> = BTreeSet::new();
-    let mut start = 0;
-    for (at, line) in source.text.split_inclusive('\n').enumerate() {
-        let from = start;
-        start += line.len();
-        if line.trim().is_empty() {
-            continue;
-        }
-        let one = json(&source, from, line)?;
-        if let Some(number) = one.get("episode_index").filter(|it| !it.is_null())
-            && !numbers.insert(number.to_string())
-        {
-            let message = format!("line {}: the episode {number} stands twice", at + 1);
-            return Err(Problem::new("bad-evaluation", message)
-                .at(&source, from..from + line.trim_end().len())
-                .remedy("leave one of them out; if they are others, number them so"));
-        }
-        let won = success(&source, one.get("success"), &format!("line {}", at + 1))?;
-        let tasks = one.get("tasks").and_then(Value::as_array);
-        let tasks = tasks.map(|all| {
-            all.iter()
-                .filter_map(Value::as_str)
-                .collect::<Vec<_>>()
-                .join("; ")
-        });
-        episodes.push(Episode {
-            task: tasks,
-            seed: None,
-            checkpoint: Some(named(path)),
-            counted: outcome(won),
-            other: None,
-        });
-    }
-    Ok(episodes)
-}
-
 /// The episodes of a table, one in each row.
 fn of_table(source: &Source, cluster: &str) -> Result<Vec<Episode>, Problem> {
     let table = Table::parse(&source.name, &source.text).map_err(table_problem)?;
@@ -491,6 +451,7 @@ fn of_table(source: &Source, cluster: &str) -> Result<Vec<Episode>, Problem> {
             checkpoint: of(&checkpoints, row),
             counted,
             other: of(&others, row),
+            is_saved: false,
         }
     };
     Ok((0..table.len()).map(episode).collect())
@@ -584,8 +545,12 @@ fn speaks_of(cluster: &str, episodes: &[Episode], clusters: usize) -> String {
         }
         (true, many) => format!("of {many} checkpoints"),
     };
+    let saved = match episodes.iter().any(|it| it.is_saved) {
+        true => "; of those that were saved in datasets, not of those that were run and not saved",
+        false => "",
+    };
     format!(
-        "{} {of}; alike by {cluster} ({})",
+        "{} {of}; alike by {cluster} ({}){saved}",
         counted(episodes.len(), "episode"),
         counted(clusters, "cluster")
     )
