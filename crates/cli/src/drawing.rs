@@ -28,6 +28,7 @@ fn argued(result: &StudyResult) -> Argued {
         files: vec![
             named("argument.gsn.yaml", assurance::yaml(&case.safety)),
             named("confidence.gsn.yaml", assurance::yaml(&case.confidence)),
+            named("argument.sacm.xmi", assurance::sacm(&case)),
             named("provenance.json", assurance::provenance(result)),
         ],
     }

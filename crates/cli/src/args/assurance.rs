@@ -7,9 +7,10 @@ use std::path::PathBuf;
 /// Arguments of `assure`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Writes argument.gsn.yaml and confidence.gsn.yaml (Goal Structuring Notation, for gsn2x),
-provenance.json (W3C PROV), each evidence as JSON with an in-toto statement about it, and a
-statement about all of it. The arguments are drawn in the report, too.
+Writes argument.gsn.yaml and confidence.gsn.yaml (Goal Structuring Notation, for gsn2x), both in
+argument.sacm.xmi (Structured Assurance Case Metamodel 2.3, XMI), provenance.json (W3C PROV), each
+evidence as JSON with an in-toto statement about it, and a statement about all of it. The
+arguments are drawn in the report, too.
 
 Examples:
   corroborate assure case-studies/handover

@@ -345,6 +345,7 @@ fn the_assurance_case_is_written_and_verified() {
     let folder = study.path("results/assurance");
     let names = [
         "argument.gsn.yaml",
+        "argument.sacm.xmi",
         "confidence.gsn.yaml",
         "evidence/E1.intoto.json",
         "evidence/E1.json",

@@ -261,6 +261,11 @@ fn assurance(from: &Gathering<'_>, drawing: &PackDrawing<'_>) -> Result<Vec<Part
                 Some(Sace::VV),
                 "the argument for confidence in the evidence",
             ),
+            "argument.sacm.xmi" => (
+                Role::Argument,
+                Some(Sace::VV),
+                "both arguments in SACM (XMI), for tools that exchange assurance cases",
+            ),
             "provenance.json" => (
                 Role::Provenance,
                 Some(Sace::SS),

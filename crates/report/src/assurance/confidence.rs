@@ -50,6 +50,7 @@ fn rely(builder: &mut Builder, parent: usize, view: View, requirement: &Requirem
     let point = claim_point(requirement);
     let text = format!("{point}: the evidence on requirement {id} can be relied on");
     let goal = builder.support(parent, Kind::Goal, id, text);
+    builder.argue(goal, point);
     let pieces = rests_on(view, requirement);
     if pieces.is_empty() {
         return;

@@ -27,6 +27,8 @@
 //! identifier is unique, every reference exists, and the support of a goal is a
 //! tree. Cost: linear in the study's comparisons times its requirements.
 //!
+//! Both are written for other tools: in the YAML of gsn2x ([`yaml()`]) and, together, in SACM ([`sacm()`]).
+//!
 //! Where every piece came from is exported by [`provenance()`] in the terms of
 //! W3C PROV.
 
@@ -35,12 +37,14 @@ pub(crate) mod drawing;
 mod gsn2x;
 mod node;
 mod provenance;
+mod sacm;
 mod safety;
 pub(crate) mod words;
 
 pub use gsn2x::yaml;
 pub use node::{Argument, Citation, ClaimPoint, Kind, Node};
 pub use provenance::provenance;
+pub use sacm::sacm;
 
 use crate::view::View;
 use evidence::StudyResult;

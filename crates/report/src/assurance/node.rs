@@ -75,6 +75,8 @@ pub struct Node {
     pub challenges: Option<String>,
     /// Whose confidence is argued in the confidence argument.
     pub claim_point: Option<ClaimPoint>,
+    /// The claim point of the other argument whose confidence this goal argues.
+    pub argues: Option<String>,
     /// The evidence, for solutions.
     pub citation: Option<Citation>,
 }
@@ -130,6 +132,7 @@ impl Builder {
             defeated: false,
             challenges: None,
             claim_point: None,
+            argues: None,
             citation: None,
         });
         self.nodes.len() - 1
@@ -181,6 +184,11 @@ impl Builder {
     pub fn claim_point(&mut self, from: usize, to: usize, name: String) {
         let at = self.nodes[to].id.clone();
         self.nodes[from].claim_point = Some(ClaimPoint { name, at });
+    }
+
+    /// Says which claim point's confidence the goal at `place` argues.
+    pub fn argue(&mut self, place: usize, name: String) {
+        self.nodes[place].argues = Some(name);
     }
 
     /// The argument; what has no support is undeveloped.
