@@ -1,6 +1,6 @@
 //! The commands of `VERIFY.md`, run as somebody runs them who does not have this tool.
 
-use crate::made::{archive, key};
+use crate::made::{archive, entries, formed, key};
 use std::path::Path;
 use std::process::Command;
 
@@ -93,6 +93,82 @@ fn the_page_accepts_a_pack_and_notices_changed_bytes() {
 #[ignore = "runs ten programs for each of 4,000 bytes"]
 fn the_page_notices_every_third_byte() {
     changed_bytes(3);
+}
+
+/// The same parts in another order, with a name twice, and with the manifest's hash of one part beside another's name: the tool
+/// refuses them, so the page has to.
+#[test]
+fn the_page_notices_parts_out_of_order() {
+    if !has_programs() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    for signer in [Some(key()), None] {
+        let whole = archive(signer.as_ref());
+        let commands = commands(&page(&whole));
+        let parts = entries(&whole);
+        let mut swapped = parts.clone();
+        swapped.swap(0, 1);
+        let mut reversed = parts.clone();
+        reversed.reverse();
+        let mut rotated = parts.clone();
+        rotated.rotate_left(1);
+        let mut twice = parts.clone();
+        twice.insert(1, parts[0].clone());
+        for forged in [swapped, reversed, rotated, twice] {
+            let bytes = formed(&forged);
+            assert!(!pack::check(&mut bytes.as_slice(), None).faults.is_empty());
+            let (is_good, said) = run(folder.path(), &commands, &bytes);
+            assert!(!is_good, "nothing noticed it: {said}");
+        }
+        assert!(run(folder.path(), &commands, &formed(&parts)).0);
+    }
+}
+
+/// Without a signature a list of hashes can be written anew; it still has to be what the manifest names.
+#[test]
+fn the_page_notices_a_part_under_another_name() {
+    if !has_programs() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let whole = archive(None);
+    let commands = commands(&page(&whole));
+    let mut parts = entries(&whole);
+    let at = |name: &str, parts: &[(String, Vec<u8>)]| {
+        parts.iter().position(|(it, _)| it == name).expect("a part")
+    };
+    // The table goes by a name of its own, and the list says so.
+    let table = at("study/table.csv", &parts);
+    parts[table].0 = "study/other.csv".to_owned();
+    parts.sort();
+    let sums = at("SHA256SUMS", &parts);
+    let list = String::from_utf8(parts[sums].1.clone()).expect("a list");
+    let mut lines: Vec<String> = list
+        .lines()
+        .map(|line| line.replace("study/table.csv", "study/other.csv"))
+        .collect();
+    lines.sort_by(|a, b| a[66..].cmp(&b[66..]));
+    let list = lines.join("\n") + "\n";
+    // The manifest names the new list by its hash, but the table by its old name.
+    let hash = |bytes: &[u8]| {
+        use sha2::Digest as _;
+        let digest = sha2::Sha256::digest(bytes);
+        digest
+            .iter()
+            .map(|it| format!("{it:02x}"))
+            .collect::<String>()
+    };
+    let manifest = at("manifest.json", &parts);
+    let text = String::from_utf8(parts[manifest].1.clone()).expect("a manifest");
+    let text = text.replace(&hash(&parts[sums].1), &hash(list.as_bytes()));
+    parts[manifest].1 = text.into_bytes();
+    parts[sums].1 = list.into_bytes();
+    let (is_good, said) = run(folder.path(), &commands, &formed(&parts));
+    assert!(
+        !is_good && said.contains("the manifest names other parts"),
+        "{said}"
+    );
 }
 
 /// Somebody who forms the archive anew, with checksums and hashes that hold, lacks the key.

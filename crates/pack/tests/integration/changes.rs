@@ -1,6 +1,6 @@
 //! Whatever is changed in a pack is noticed: every byte, and every part by somebody who forms the archive anew.
 
-use crate::made::{about, archive, key, parts};
+use crate::made::{about, archive, entries, formed, key, parts};
 use pack::{Content, Key, Part, Role, Signature, check, write};
 
 fn is_noticed(bytes: &[u8], key: Option<&Key>) -> bool {
@@ -93,63 +93,6 @@ fn with_part_of(archive: &[u8], other: &[u8], name: &str) -> Vec<u8> {
     all.push(taken);
     all.sort();
     formed(&all)
-}
-
-/// The names and contents of an archive, read by a reader of its own.
-fn entries(archive: &[u8]) -> Vec<(String, Vec<u8>)> {
-    let number = |at: usize| {
-        u32::from_le_bytes(archive[at..at + 4].try_into().expect("four bytes")) as usize
-    };
-    let mut found = Vec::new();
-    let mut at = 0;
-    while archive[at..].starts_with(b"PK\x03\x04") {
-        let (size, length) = (
-            number(at + 22),
-            usize::from(archive[at + 26]) + 256 * usize::from(archive[at + 27]),
-        );
-        let name = String::from_utf8(archive[at + 30..at + 30 + length].to_vec()).expect("a name");
-        let begin = at + 30 + length;
-        found.push((name, archive[begin..begin + size].to_vec()));
-        at = begin + size;
-    }
-    found
-}
-
-/// An archive of these entries, as the format has it.
-fn formed(entries: &[(String, Vec<u8>)]) -> Vec<u8> {
-    let (mut bytes, mut directory) = (Vec::new(), Vec::new());
-    for (name, content) in entries {
-        let offset = bytes.len() as u32;
-        let mut common = vec![20, 0, 0, 0, 0, 0, 0, 0, 0x21, 0];
-        common.extend(crc32fast::hash(content).to_le_bytes());
-        common.extend((content.len() as u32).to_le_bytes());
-        common.extend((content.len() as u32).to_le_bytes());
-        common.extend((name.len() as u16).to_le_bytes());
-        common.extend([0, 0]);
-        bytes.extend(b"PK\x03\x04");
-        bytes.extend(&common);
-        bytes.extend(name.as_bytes());
-        bytes.extend(content);
-        directory.extend(b"PK\x01\x02\x14\x03");
-        directory.extend(&common);
-        directory.extend([0; 6]);
-        directory.extend((0o100_644u32 << 16).to_le_bytes());
-        directory.extend(offset.to_le_bytes());
-        directory.extend(name.as_bytes());
-    }
-    let (begin, size, count) = (
-        bytes.len() as u32,
-        directory.len() as u32,
-        entries.len() as u16,
-    );
-    bytes.extend(directory);
-    bytes.extend(b"PK\x05\x06\0\0\0\0");
-    bytes.extend(count.to_le_bytes());
-    bytes.extend(count.to_le_bytes());
-    bytes.extend(size.to_le_bytes());
-    bytes.extend(begin.to_le_bytes());
-    bytes.extend([0, 0]);
-    bytes
 }
 
 #[test]
