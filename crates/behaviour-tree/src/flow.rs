@@ -17,7 +17,7 @@
 //! where it matters.
 //!
 //! # Cost
-//! At most three points for each leaf and one or two for each other node; the text is linear in the tree. States are points
+//! At most three points for each leaf and deadline and one or two for each other node; the text is linear in the tree. States are points
 //! times the values of counters, of which unreachable combinations are not explored: counters are 0 wherever their node is
 //! not executed, but for those that BehaviorTree.CPP keeps (`SequenceWithMemory`, `RunOnce`, `RoundRobin`, and counts of a
 //! child that was skipped).
@@ -45,9 +45,9 @@ pub(crate) enum At {
     Begin(usize),
     /// A leaf is executed.
     Run,
-    /// It has succeeded.
+    /// It has succeeded; the time of a deadline suffices.
     Succeeded,
-    /// It has failed.
+    /// It has failed; the time of a deadline does not suffice.
     Failed,
     /// So many children have ended.
     Counted(usize),
@@ -242,6 +242,10 @@ impl Making<'_> {
             At::Precondition(place) => self.precondition(id, place),
             At::Begin(case) => self.begin(id, case),
             At::Run => self.run(id),
+            At::Succeeded if *self.kind(id) == Kind::Deadline => {
+                let child = self.child(id, 0);
+                vec![sure(self.enter(child))]
+            }
             At::Succeeded => vec![sure(self.result(id, Outcome::Success))],
             At::Failed => vec![sure(self.result(id, Outcome::Failure))],
             At::Counted(ended) => self.counted(id, ended),
@@ -296,7 +300,10 @@ impl Making<'_> {
                 let otherwise = *otherwise;
                 self.gate(id, Draw::Gate, otherwise)
             }
-            Kind::Deadline => self.gate(id, Draw::Deadline, Outcome::Failure),
+            Kind::Deadline => {
+                let (in_time, late) = (self.point(id, At::Succeeded), self.point(id, At::Failed));
+                vec![drawn(Draw::Deadline, in_time, late)]
+            }
             Kind::Switch => self.case(id, case),
             Kind::RunOnce { then_skip } => {
                 let then_skip = *then_skip;

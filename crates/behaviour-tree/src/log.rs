@@ -170,6 +170,9 @@ pub struct Shared {
 pub struct Attributed {
     /// The leaves that were executed, in the order of the tree.
     pub leaves: Vec<Group>,
+    /// The nodes `Timeout` whose executions and whose child's the log tells from others: `succeeded` are those in which the child
+    /// ended in time, whatever its result, `failed` those in which it did not, `halted` those that were halted from outside.
+    pub deadlines: Vec<Group>,
     /// The root by run, where the log tells it from other nodes.
     pub root: Option<Vec<Counts>>,
     /// Names that several nodes share.
@@ -200,8 +203,40 @@ impl BehaviourTree {
             }
         }
         let leaves: BTreeSet<NodeId> = self.leaves().map(|(id, _)| id).collect();
+        found.deadlines = self.deadlines(&of_nodes);
         for (nodes, by_run) in of_nodes {
             found.take(self, &leaves, nodes, by_run);
+        }
+        found
+    }
+
+    /// Whether the times of deadlines sufficed. A `Timeout` ends as its child does, or fails where it halts it.
+    fn deadlines(&self, of_nodes: &BTreeMap<Vec<NodeId>, Vec<Counts>>) -> Vec<Group> {
+        let mut found = Vec::new();
+        for (id, node) in self.nodes() {
+            // One with preconditions may fail without its child.
+            if node.kind != Kind::Deadline || !node.preconditions.is_empty() {
+                continue;
+            }
+            let of = |id: NodeId| of_nodes.get(&vec![id]);
+            let (Some(own), Some(child)) = (of(id), of(node.children[0])) else {
+                continue;
+            };
+            let runs = own.iter().zip(child).map(|(own, child)| {
+                let late = own.failed.checked_sub(child.failed)?;
+                (own.succeeded == child.succeeded).then_some(Counts {
+                    succeeded: child.ended(),
+                    failed: late,
+                    halted: own.halted,
+                })
+            });
+            // Where the log lacks changes, it does not say which executions ended in time.
+            if let Some(by_run) = runs.collect::<Option<Vec<Counts>>>() {
+                found.push(Group {
+                    nodes: vec![id],
+                    by_run,
+                });
+            }
         }
         found
     }

@@ -50,7 +50,8 @@ fn of_kind(one: &Drafted, mistakes: &mut Mistakes) {
         },
         Kind::Deadline => (
             format!("there is no time in the model: whether that of `{name}` suffices is drawn"),
-            "set its constant to the share of executions that end in time".to_owned(),
+            "set its constant to the share of executions that end in time; recordings show it"
+                .to_owned(),
         ),
         Kind::RoundRobin { wraps: true } if one.why.is_some() => (
             format!(

@@ -49,8 +49,9 @@ pub struct PrismModel {
 
 /// A discrete-time Markov chain of one run of the root, until it ends in success, failure or skipped.
 ///
-/// For each leaf it has labels `"NAME_ran"` and `"NAME_failed"`, true where the leaf has just ended; `"success"`, `"failure"`
-/// and, where that can be, `"skipped"` for the run. `NAME` is [`Node::label`].
+/// For each leaf it has labels `"NAME_ran"` and `"NAME_failed"`, true where the leaf has just ended; for each `Timeout`
+/// `"NAME_ran"` and `"NAME_late"`, true where it is known whether its time suffices; `"success"`, `"failure"` and, where that
+/// can be, `"skipped"` for the run. `NAME` is [`Node::label`].
 pub fn to_prism(tree: &BehaviourTree, options: &Options) -> PrismModel {
     let outcomes = crate::read::outcomes(tree);
     let flow = flow(tree, options.conditions, &outcomes);
@@ -190,8 +191,8 @@ impl Text<'_> {
             At::Begin(0) => format!("begin_{label}"),
             At::Begin(case) => format!("case_{}_{label}", case + 1),
             At::Run => format!("at_{label}"),
-            At::Succeeded => format!("ok_{label}"),
-            At::Failed => format!("failed_{label}"),
+            At::Succeeded => format!("{}_{label}", self.ends(id)[0]),
+            At::Failed => format!("{}_{label}", self.ends(id)[1]),
             At::Counted(ended) => format!("after_{ended}_{label}"),
             At::Again => format!("again_{label}"),
             At::Done => format!("done_{label}"),
@@ -199,6 +200,11 @@ impl Text<'_> {
             At::Over(Outcome::Failure) => "failed".to_owned(),
             At::Over(Outcome::Skipped) => "skipped".to_owned(),
         }
+    }
+
+    /// What the points begin with at which a leaf has ended, or is known whether a time suffices: the good one, and the other.
+    fn ends(&self, id: NodeId) -> [&'static str; 2] {
+        self.tree.node(id).ends()
     }
 
     fn counter(&self, (id, counter): Variable) -> String {
@@ -304,18 +310,21 @@ impl Text<'_> {
             };
             self.line(format!("label \"{label}\" = {text};"));
         }
-        for (id, node) in self.tree.leaves() {
+        let is_drawn = |node: &Node| node.is_leaf() || node.kind == Kind::Deadline;
+        for (id, node) in self.tree.nodes().filter(|(_, node)| is_drawn(node)) {
             let label = &node.label;
-            let is_reached = self.flow.points.contains_key(&(id, At::Run));
+            let [good, bad] = self.ends(id);
+            let is_reached = self.flow.points.contains_key(&(id, At::Failed));
             let (ran, failed) = match is_reached {
                 true => (
-                    format!("step=ok_{label} | step=failed_{label}"),
-                    format!("step=failed_{label}"),
+                    format!("step={good}_{label} | step={bad}_{label}"),
+                    format!("step={bad}_{label}"),
                 ),
                 false => ("false".to_owned(), "false".to_owned()),
             };
             self.line(format!("label \"{label}_ran\" = {ran};"));
-            self.line(format!("label \"{label}_failed\" = {failed};"));
+            let what = if node.is_leaf() { "failed" } else { bad };
+            self.line(format!("label \"{label}_{what}\" = {failed};"));
         }
     }
 }

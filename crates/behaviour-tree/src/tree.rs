@@ -200,6 +200,15 @@ impl Node {
         found
     }
 
+    /// What names of the model's states begin with in which a leaf has ended (`ok`, `failed`), or it is known whether the time of a
+    /// deadline suffices (`in_time`, `late`).
+    pub fn ends(&self) -> [&'static str; 2] {
+        match self.kind {
+            Kind::Deadline => ["in_time", "late"],
+            _ => ["ok", "failed"],
+        }
+    }
+
     /// The name of a draw, unique in the tree: the leaf's label, or one made of it.
     pub fn draw_name(&self, draw: Draw) -> String {
         draw.named(&self.label)

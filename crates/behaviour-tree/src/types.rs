@@ -150,7 +150,11 @@ impl Typed<'_, '_> {
                 Value::Text(text) => self.run_once(text.trim() != "false"),
                 Value::Absent => self.run_once(true),
             },
-            "Timeout" => Kind::Deadline.into(),
+            // Without a time none is kept.
+            "Timeout" => match (self.value)("msec") {
+                Value::Text(text) if text.trim() == "0" => Kind::Pass.into(),
+                _ => Kind::Deadline.into(),
+            },
             "Delay"
             | "RateController"
             | "DistanceController"

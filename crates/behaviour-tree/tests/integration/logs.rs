@@ -119,3 +119,56 @@ fn a_table_may_name_leaves_by_their_labels() {
     assert_eq!(tree.node(found.leaves[0].nodes[0]).line, 1);
     assert_eq!(found.leaves[0].total(), counts(1, 0, 0));
 }
+
+/// Of ten executions one child fails by itself, and two are halted since the time is over.
+#[test]
+fn a_timeout_that_fails_without_its_child_was_over() {
+    let text = "<root BTCPP_format=\"4\"><BehaviorTree ID=\"Main\"><Sequence name=\"root\">\
+        <Timeout name=\"limit\" msec=\"5000\"><Grasp/></Timeout>\
+        <Timeout name=\"guarded\" msec=\"5000\" _failureIf=\"a\"><Spin/></Timeout>\
+        <Timeout name=\"none\" msec=\"0\"><Wait/></Timeout>\
+        </Sequence></BehaviorTree></root>";
+    let tree = reading(text).tree;
+    let ended = |child: &'static str, own: &'static str| {
+        [
+            ("Grasp", None, "RUNNING", child),
+            ("limit", None, "RUNNING", own),
+        ]
+    };
+    let mut events = Vec::new();
+    for number in 0..10 {
+        events.extend(match number {
+            0 => ended("FAILURE", "FAILURE"),
+            1 | 2 => ended("IDLE", "FAILURE"),
+            3 => ended("IDLE", "IDLE"),
+            _ => ended("SUCCESS", "SUCCESS"),
+        });
+    }
+    events.push(("Spin", None, "RUNNING", "IDLE"));
+    events.push(("guarded", None, "IDLE", "FAILURE"));
+    let deadlines = tree.attributed(&[run(&events)]).deadlines;
+    assert_eq!(deadlines.len(), 1, "{deadlines:?}");
+    assert_eq!(tree.node(deadlines[0].nodes[0]).name, "limit");
+    assert_eq!(deadlines[0].total(), counts(7, 2, 1));
+    // A success of the child that the log lacks: it does not say how many ended in time.
+    events.retain({
+        let mut left = 0;
+        move |it| {
+            it.0 != "Grasp" || it.3 != "SUCCESS" || {
+                left += 1;
+                left > 1
+            }
+        }
+    });
+    assert!(tree.attributed(&[run(&events)]).deadlines.is_empty());
+    // The model has a state of its own for it, and none for a time that is not kept.
+    let model = behaviour_tree::to_prism(&tree, &behaviour_tree::Options::default());
+    assert!(
+        model
+            .text
+            .contains("label \"limit_late\" = step=late_limit;"),
+        "{}",
+        model.text
+    );
+    assert!(!model.text.contains("p_none_in_time"));
+}

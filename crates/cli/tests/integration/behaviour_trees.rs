@@ -173,3 +173,71 @@ fn what_cannot_be_counted_is_refused_and_leaves_no_study() {
     let said = corroborate(place.path(), &["init", "study", "--from", "wrong.xml"]);
     assert!(said.talk.contains("bad-behaviour-tree"), "{said:?}");
 }
+
+/// Three of ten executions are halted by their `Timeout`: its constant is set to that, and its uncertainty is carried on.
+#[test]
+fn whether_a_time_suffices_is_counted_too() {
+    let place = TempDir::new().expect("a folder");
+    let tree = "<root BTCPP_format=\"4\"><BehaviorTree ID=\"Fetch\"><Sequence name=\"fetch\">\n\
+        <Timeout msec=\"5000\" name=\"limit\"><Grasp/></Timeout><Drop/>\n\
+        </Sequence></BehaviorTree></root>";
+    std::fs::write(place.path().join("tree.xml"), tree).expect("written");
+    let mut rows = String::from("run,node,status\n");
+    for run in 0..10 {
+        let (grasp, limit) = match run {
+            0..3 => ("RUNNING\nRUN,Grasp,IDLE", "FAILURE"),
+            3 => ("FAILURE", "FAILURE"),
+            _ => ("SUCCESS", "SUCCESS"),
+        };
+        let drop = if run > 3 { "RUN,Drop,SUCCESS\n" } else { "" };
+        let text = format!("RUN,Grasp,{grasp}\nRUN,limit,{limit}\n{drop}RUN,fetch,{limit}\n");
+        rows += &text
+            .replace("RUN", &run.to_string())
+            .replace(&format!("{run}NING"), "RUNNING");
+    }
+    std::fs::write(place.path().join("runs.csv"), rows).expect("written");
+    let said = corroborate(
+        place.path(),
+        &[
+            "init",
+            "s",
+            "--from",
+            "tree.xml",
+            "--recordings",
+            "runs.csv",
+        ],
+    );
+    assert_eq!(said.code, 0, "{said:?}");
+    let study = place.path().join("s");
+    let model = read(&study.join("model.prism"));
+    assert!(
+        model.contains("const double p_limit_in_time = 0.7; // 7 of 10 executions ended in time"),
+        "{model}"
+    );
+    assert!(!model.contains("DRAFT"), "{model}");
+    assert!(read(&study.join("counts/failure_modes.csv")).contains("limit_late,3,10"));
+    let said = corroborate(place.path(), &["run", "s", "--format", "json"]);
+    assert!([0, 1, 3].contains(&said.code), "{said:?}");
+    let result: Value = serde_json::from_str(&said.out).expect("JSON");
+    // Of the runs that come to it, the model is late in the share that was counted.
+    let late = |evidence: &Value| {
+        let findings = evidence["findings"].as_array().expect("findings").clone();
+        let own = findings
+            .into_iter()
+            .find(|it| it["subject"]["id"] == "limit_late");
+        own.unwrap_or_else(|| panic!("{evidence}"))["measure"].clone()
+    };
+    let pieces = result["evidence"].as_array().expect("evidence");
+    assert_eq!(
+        (
+            late(&pieces[0])["count"].as_u64(),
+            late(&pieces[0])["trials"].as_u64()
+        ),
+        (Some(3), Some(10))
+    );
+    let text = late(&pieces[1]).to_string();
+    assert!(
+        text.contains("0.3") || text.contains("0.30000000000000004"),
+        "{text}"
+    );
+}

@@ -99,7 +99,7 @@ fn read(file: &Path) -> Result<(Reading, Vec<PathBuf>), Problem> {
     Ok((reading, included))
 }
 
-/// A way to fail: of one leaf, or of several that share their counts.
+/// A way to fail: of one leaf, of several that share their counts, or of a time that does not suffice.
 struct Mode {
     /// What its words begin with: the leaf's label.
     word: String,
@@ -130,6 +130,7 @@ impl Drafted {
         };
         let open = behaviour_tree::to_prism(&tree, &Options::default());
         let mut modes = modes(&tree, &open, &attributed);
+        modes.extend(late_modes(&tree, &open, &attributed));
         if runs.is_some() {
             modes.retain(|mode| mode.group.is_some());
         }
@@ -182,7 +183,8 @@ impl Drafted {
 
     fn mode_of(&self, constant: &Constant) -> Option<&Mode> {
         let mut modes = self.modes.iter();
-        modes.find(|mode| constant.draw == Draw::Leaf && mode.leaves.contains(&constant.node))
+        let is_counted = matches!(constant.draw, Draw::Leaf | Draw::Deadline);
+        modes.find(|mode| is_counted && mode.leaves.contains(&constant.node))
     }
 
     fn is_counted(&self, constant: &Constant) -> bool {
@@ -308,12 +310,32 @@ fn modes(tree: &BehaviourTree, model: &PrismModel, attributed: &Attributed) -> V
     found
 }
 
+/// The times of which the recordings show whether they sufficed.
+fn late_modes(tree: &BehaviourTree, model: &PrismModel, attributed: &Attributed) -> Vec<Mode> {
+    let drawn = |group: &&Group| {
+        let mut constants = model.constants.iter();
+        constants.any(|it| it.draw == Draw::Deadline && it.node == group.nodes[0])
+    };
+    let shown = |group: &&Group| group.total().ended() > 0;
+    let groups = attributed.deadlines.iter().filter(drawn).filter(shown);
+    let mode = |group: &Group| {
+        let word = tree.node(group.nodes[0]).label.clone();
+        Mode {
+            id: format!("{word}_late"),
+            word,
+            leaves: group.nodes.clone(),
+            group: Some(group.clone()),
+        }
+    };
+    groups.map(mode).collect()
+}
+
 /// The value of a constant: the share of successes among the executions, or a guess.
 fn value(tree: &BehaviourTree, constant: &Constant, mode: Option<&Mode>) -> f64 {
     let node = tree.node(constant.node);
     let counts = mode.and_then(|mode| mode.group.as_ref()).map(Group::total);
     match (constant.draw, counts) {
-        (Draw::Leaf, Some(counts)) => {
+        (Draw::Leaf | Draw::Deadline, Some(counts)) => {
             let rate = counts.succeeded as f64 / counts.ended() as f64;
             (rate * 1e6).round() / 1e6
         }

@@ -2,7 +2,7 @@
 
 use super::{Comments, Drafted, MOST_ASKED, Mode, comment, counted, quoted};
 use crate::init::NewFile;
-use behaviour_tree::{Constant, Group, Node};
+use behaviour_tree::{Constant, Draw, Group, Node};
 use std::fmt::Write as _;
 
 impl Drafted {
@@ -42,9 +42,13 @@ impl Drafted {
     fn mode(&self, mode: &Mode) -> String {
         let leaf = self.leaf(mode);
         let word = &mode.word;
-        let name = quoted(&format!("{} fails", comment(&leaf.name)));
+        let (fails, how) = match leaf.is_leaf() {
+            true => ("fails", "ends with FAILURE"),
+            false => ("ends its child", "ends with FAILURE since its time is over"),
+        };
+        let name = quoted(&format!("{} {fails}", comment(&leaf.name)));
         let meaning = quoted(&format!(
-            "{} ends with FAILURE; counted by execution.",
+            "{} {how}; counted by execution.",
             comment(&leaf.path)
         ));
         let asked = match self.is_asked() {
@@ -82,15 +86,29 @@ impl Drafted {
     fn words(&self, mode: &Mode) -> String {
         let name = comment(&self.leaf(mode).name);
         let word = &mode.word;
+        let [good, bad] = self.leaf(mode).ends();
         let labels = mode.leaves.iter().map(|it| &self.tree.node(*it).label);
-        let failed: Vec<String> = labels.map(|it| format!("step=failed_{it}")).collect();
-        let ended = failed.iter().map(|it| it.replacen("failed_", "ok_", 1));
+        let failed: Vec<String> = labels
+            .clone()
+            .map(|it| format!("step={bad}_{it}"))
+            .collect();
+        let ended = labels.map(|it| format!("step={good}_{it}"));
         let ran: Vec<String> = ended.chain(failed.iter().cloned()).collect();
+        let (ended, fails) = match self.leaf(mode).is_leaf() {
+            true => (
+                "has just ended, with SUCCESS or FAILURE",
+                "has just ended with FAILURE",
+            ),
+            false => (
+                "is executed, and its time suffices or not",
+                "is executed, and its time does not suffice",
+            ),
+        };
         format!(
             "\n[{word}_ended]\nmeaning = {}\nmodel = \"{}\"\n\n[{word}_fails]\nmeaning = {}\nmodel = \"{}\"\n",
-            quoted(&format!("{name} has just ended, with SUCCESS or FAILURE.")),
+            quoted(&format!("{name} {ended}.")),
             ran.join(" | "),
-            quoted(&format!("{name} has just ended with FAILURE.")),
+            quoted(&format!("{name} {fails}.")),
             failed.join(" | "),
         )
     }
@@ -188,8 +206,12 @@ impl Drafted {
                     0 => String::new(),
                     halted => format!(", and {halted} halted"),
                 };
+                let how = match constant.draw {
+                    Draw::Deadline => "ended in time",
+                    _ => "succeeded",
+                };
                 format!(
-                    "{} of {} succeeded{halted}",
+                    "{} of {} {how}{halted}",
                     total.succeeded,
                     counted(total.ended(), "execution")
                 )
@@ -213,7 +235,11 @@ impl Drafted {
             let _ = writeln!(modes, "{},{},{}", mode.id, total.failed, total.ended());
             for (run, counts) in runs.names.iter().zip(&group.by_run) {
                 let (succeeded, failed, halted) = (counts.succeeded, counts.failed, counts.halted);
-                let label = &self.leaf(mode).label;
+                let leaf = self.leaf(mode);
+                let label = match leaf.is_leaf() {
+                    true => leaf.label.clone(),
+                    false => leaf.draw_name(Draw::Deadline),
+                };
                 let _ = writeln!(
                     by_run,
                     "{},{label},{succeeded},{failed},{halted}",
