@@ -29,4 +29,4 @@ pub mod workspace;
 
 pub use server::{Ended, serve};
 pub use text::Text;
-pub use workspace::{Alone, Document, Engine, Workspace};
+pub use workspace::{Alone, Document, Engine, Mistakes, Workspace};

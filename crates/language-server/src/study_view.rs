@@ -6,7 +6,7 @@ use crate::toml_tree;
 use crate::workspace::Workspace;
 use diagnostic::{Problem, Problems, Source};
 use std::path::{Path, PathBuf};
-use study::{Study, Texts};
+use study::{Study, Texts, Work};
 
 /// A study, read.
 #[derive(Debug)]
@@ -43,13 +43,14 @@ impl StudyView {
             if is_whole {
                 view.warnings = study.forms.warnings(&[]);
             }
-            view.look_into_models(workspace, study, is_whole, &mut found);
+            let warnings = view.look_into_models(workspace, study, is_whole, &mut found);
+            view.warnings.extend(warnings);
         }
         view.problems = found.into_problem().map_or(Vec::new(), Problem::into_each);
         view
     }
 
-    /// What the models say wrong of the study. What is said of the study's own files may follow from mistakes that were found
+    /// What the models say wrong of the study; gives what is perhaps not meant. What is said of the study's own files may follow from mistakes that were found
     /// there, and is left out then; what is wrong with a model by itself is told where the model is.
     fn look_into_models(
         &self,
@@ -57,24 +58,35 @@ impl StudyView {
         study: &Study,
         is_whole: bool,
         found: &mut Problems,
-    ) {
-        for path in self.models() {
-            let Some(model) = workspace.model(&path) else {
+    ) -> Vec<Problem> {
+        let paths = self.models();
+        let mut sources = Vec::new();
+        for path in &paths {
+            let Some(model) = workspace.model(path) else {
                 continue;
             };
             if !model.is_read || !model.stand_ins().is_empty() || model.resolved().is_none() {
                 continue;
             }
             let name = path.display().to_string();
-            let source = Source::new(name.clone(), model.text.as_str());
-            let problems = workspace.engine.mistakes(study, source);
-            let is_of_model = |it: &Problem| it.place().is_some_and(|place| place.name == name);
-            for problem in problems.into_iter().flat_map(Problem::into_each) {
-                if is_whole && !is_of_model(&problem) {
-                    found.add(problem);
-                }
+            sources.push(Source::new(name, model.text.as_str()));
+        }
+        // What a technique from outside expresses is known to itself alone.
+        let are_all = sources.len() == paths.len()
+            && !(study.ledger.iter()).any(|entry| matches!(entry.work, Work::Other { .. }));
+        let names: Vec<String> = sources.iter().map(|it| it.name.clone()).collect();
+        let is_of_model =
+            |it: &Problem| it.place().is_some_and(|place| names.contains(&place.name));
+        let mistakes = workspace.engine.mistakes(study, sources, are_all);
+        if !is_whole {
+            return Vec::new();
+        }
+        for problem in mistakes.problems.into_iter().flat_map(Problem::into_each) {
+            if !is_of_model(&problem) {
+                found.add(problem);
             }
         }
+        mistakes.warnings
     }
 
     /// The models of the ledger, each once, in its order.

@@ -14,10 +14,19 @@ use std::rc::Rc;
 use std::str::FromStr;
 use study::{Study, Texts};
 
+/// What is wrong with a study's questions to its models.
+#[derive(Clone, Debug, Default)]
+pub struct Mistakes {
+    /// What has to be corrected.
+    pub problems: Vec<Problem>,
+    /// What has a meaning that is perhaps not meant.
+    pub warnings: Vec<Problem>,
+}
+
 /// What is known above this crate, and brought by whoever runs the server.
 pub trait Engine {
-    /// What is wrong with a study's questions to one of its models, and with the bindings of its vocabulary there.
-    fn mistakes(&self, study: &Study, model: Source) -> Vec<Problem>;
+    /// What is wrong with a study's questions to its models; if these are all of its models, what none of them expresses, too.
+    fn mistakes(&self, study: &Study, models: Vec<Source>, are_all: bool) -> Mistakes;
 
     /// The JSON Schemas of a study's files, by the names of their kinds.
     fn schemas(&self) -> Vec<(&'static str, serde_json::Value)>;
@@ -31,8 +40,8 @@ pub trait Engine {
 pub struct Alone;
 
 impl Engine for Alone {
-    fn mistakes(&self, _: &Study, _: Source) -> Vec<Problem> {
-        Vec::new()
+    fn mistakes(&self, _: &Study, _: Vec<Source>, _: bool) -> Mistakes {
+        Mistakes::default()
     }
 
     fn schemas(&self) -> Vec<(&'static str, serde_json::Value)> {

@@ -3,9 +3,9 @@
 use super::Done;
 use crate::args::LanguageServer;
 use corroborate::Outcome;
-use corroborate::technique::model_checking::Compiled;
+use corroborate::technique::model_checking::{Compiled, Unexpressed};
 use diagnostic::{Problem, Source};
-use language_server::{Ended, Engine};
+use language_server::{Ended, Engine, Mistakes};
 use serde_json::Value;
 use std::io::{BufReader, BufWriter, stdin, stdout};
 use study::Study;
@@ -14,9 +14,26 @@ use study::Study;
 struct Knowledge;
 
 impl Engine for Knowledge {
-    fn mistakes(&self, study: &Study, model: Source) -> Vec<Problem> {
-        let compiled = Compiled::of_source(study, model);
-        compiled.err().map_or(Vec::new(), Problem::into_each)
+    fn mistakes(&self, study: &Study, models: Vec<Source>, are_all: bool) -> Mistakes {
+        let (mut compiled, mut problems) = (Vec::new(), Vec::new());
+        for model in models {
+            match Compiled::of_source(study, model) {
+                Ok(model) => compiled.push(model),
+                Err(problem) => problems.extend(problem.into_each()),
+            }
+        }
+        // Without one of the models, what it expresses is not known.
+        if !are_all || !problems.is_empty() {
+            return Mistakes {
+                problems,
+                warnings: Vec::new(),
+            };
+        }
+        let found = Unexpressed::by(study, &compiled);
+        Mistakes {
+            problems: found.mistakes,
+            warnings: found.warnings,
+        }
     }
 
     fn schemas(&self) -> Vec<(&'static str, Value)> {

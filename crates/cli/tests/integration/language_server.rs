@@ -113,6 +113,54 @@ fn uri(path: &Path) -> String {
     format!("file://{}", path.canonicalize().expect("a path").display())
 }
 
+/// A misspelt variable and a misspelt value of the model, which none of the study's models has.
+#[test]
+fn an_editor_is_told_of_names_that_no_model_has() {
+    let study = Study::new();
+    let file = study.path("vocabulary.toml");
+    let text = std::fs::read_to_string(&file).expect("a text");
+    let (key, rest) = text.split_once("model = \"").expect("a binding");
+    let (meaning, rest) = rest.split_once('"').expect("its end");
+    let (variable, value) = meaning.split_once('=').expect("a comparison");
+    let mut editor = Editor::new(study.beside());
+    let name = uri(&file);
+    editor.open(&name, &text);
+    assert!(editor.told(&name).is_empty());
+    for (version, wrong) in (2..).zip([
+        format!("{variable}x={value}"),
+        format!("{variable}={value}x"),
+    ]) {
+        let changed = format!("{key}model = \"{wrong}\"{rest}");
+        let document = json!({ "uri": name, "version": version });
+        let changes = json!([{ "text": changed }]);
+        editor.note(
+            "textDocument/didChange",
+            json!({ "textDocument": document, "contentChanges": changes }),
+        );
+        let told = editor.told(&name);
+        assert_eq!(told.len(), 1, "{told:?}");
+        study.write("vocabulary.toml", &changed);
+        let said = study.run(&["plan", "study"]);
+        assert_eq!(said.code, 2, "{said:?}");
+        let message = told[0]["message"].as_str().expect("a message");
+        let (first, _) = message.split_once('\n').expect("a remedy");
+        assert!(
+            first.contains("is not declared") && said.talk.contains(first),
+            "{message}\n{}",
+            said.talk
+        );
+        assert_eq!(told[0]["severity"], 1);
+        let begin = told[0]["range"]["start"]["line"].as_u64().expect("a line");
+        assert!(
+            said.talk
+                .contains(&format!("vocabulary.toml:{}:", begin + 1)),
+            "{}",
+            said.talk
+        );
+    }
+    assert_eq!(editor.end(), 0);
+}
+
 #[test]
 fn an_editor_is_told_what_plan_tells() {
     let study = Study::new();

@@ -1,11 +1,12 @@
 //! What each entry of a ledger needs, read, compiled and checked before anything runs.
 
 use crate::technique::campaign::Until;
-use crate::technique::{self, Asked, Files, Prepared, Propositions, Techniques, technique_of};
+use crate::technique::model_checking::Unexpressed;
+use crate::technique::{self, Asked, Files, Prepared, Techniques, technique_of};
 use diagnostic::{Problem, Problems, did_you_mean};
 use host::Host;
 use std::collections::BTreeMap;
-use study::{Entry, Study, quoted_names};
+use study::{Entry, Study};
 
 /// An entry whose files were read, with what was read of them.
 pub(crate) struct Opened<'a> {
@@ -45,7 +46,14 @@ pub(super) fn prepare<'a>(
     }
     // Without one of the models, what it expresses is not known.
     if opened.len() == study.ledger.len() {
-        every_proposition_is_expressed_somewhere(study, &opened, host, &mut found);
+        let models = opened.iter().filter_map(|it| it.work.propositions());
+        let unexpressed = Unexpressed::of(study, &models.collect::<Vec<_>>());
+        for warning in &unexpressed.warnings {
+            host.events.say(&warning.warning_line());
+        }
+        for mistake in unexpressed.mistakes {
+            found.add(mistake);
+        }
     }
     found.or(opened)
 }
@@ -143,59 +151,6 @@ pub(crate) fn check_constants(
         }
     }
     found.or(())
-}
-
-/// A name that no model of the study knows is a mistake, not an abstraction; but a failure mode may
-/// name a value that no model has yet, since that is what a model that does not know it lacks.
-fn every_proposition_is_expressed_somewhere(
-    study: &Study,
-    prepared: &[Opened<'_>],
-    host: &Host,
-    found: &mut Problems,
-) {
-    let models = prepared.iter().filter_map(|it| it.work.propositions());
-    let models: Vec<Propositions<'_>> = models.collect();
-    for (name, proposition) in &study.vocabulary.propositions {
-        let (Some(binding), Some(first)) = (&proposition.model, models.first()) else {
-            continue;
-        };
-        if models.iter().any(|m| m.expressed.contains(name.as_str())) {
-            continue;
-        }
-        let reason = first.not_expressed.get(name.as_str());
-        let reason = reason.map_or("it cannot be evaluated", String::as_str);
-        if is_a_failure(study, name) {
-            let unknown = Problem::new(
-                "unknown-name",
-                format!("no model of the study knows `{name}`: {reason}."),
-            );
-            let unknown = unknown
-                .at(&study.vocabulary.source, binding.span.clone())
-                .remedy(
-                    "Correct the name; if the model lacks it, `corroborate refine` may offer it.",
-                );
-            host.events.say(&unknown.warning_line());
-            continue;
-        }
-        found.add(
-            Problem::new(
-                "unknown-name",
-                format!("no model of the study expresses `{name}`: {reason}"),
-            )
-            .at(&study.vocabulary.source, binding.span.clone())
-            .remedy("correct the name, or remove the `model` binding"),
-        );
-    }
-}
-
-/// Whether a proposition is all that some failure mode's occurrence asks for.
-fn is_a_failure(study: &Study, proposition: &str) -> bool {
-    let modes = study.forms.subjects.iter();
-    let mut modes = modes.filter(|form| matches!(form.subject, evidence::Subject::FailureMode(_)));
-    modes.any(|form| {
-        let names = form.property.as_ref().map(|p| quoted_names(&p.text));
-        matches!(names.as_deref(), Some([(only, _)]) if only == proposition)
-    })
 }
 
 /// What each entry rests on.

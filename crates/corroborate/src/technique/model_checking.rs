@@ -18,16 +18,18 @@ mod robust;
 mod schedulers;
 mod solved;
 mod uncertainty;
+mod unexpressed;
 mod vacuity;
 mod worst_case;
 
+pub use unexpressed::Unexpressed;
 pub use worst_case::{in_lines as worst_cases_in_lines, tests as worst_case_tests};
 
 use given::{Asked, Over};
 
-use super::Produced;
 use super::counted::CountedConstant;
 use super::files::Files;
+use super::{Produced, Propositions};
 use checker::state_space::StateSpace;
 use diagnostic::{Problem, Source};
 use evidence::{AssetRole, Cost, Denominator, Finding, Measure, Subject, Tool};
@@ -99,6 +101,14 @@ pub fn said_of_nothing(produced: &Produced) -> Vec<String> {
 }
 
 impl<'a> Compiled<'a> {
+    /// Which propositions it expresses.
+    pub fn propositions(&self) -> Propositions<'_> {
+        Propositions {
+            expressed: &self.expressed,
+            not_expressed: &self.not_expressed,
+        }
+    }
+
     /// Reads a model and binds the study's questions to it.
     pub fn new(study: &'a Study, path: &Path) -> Result<Self, Problem> {
         Self::read(study, path, &Files::of(&study.folder))

@@ -1,7 +1,6 @@
 //! The protocol, over streams in memory.
 
-use diagnostic::Problem;
-use language_server::{Alone, Ended, Engine, serve};
+use language_server::{Alone, Ended, Engine, Mistakes, serve};
 use serde_json::{Value, json};
 use std::io::{BufReader, Read};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -225,8 +224,8 @@ fn the_server_ends_with_its_stream_and_says_how() {
 struct Panics;
 
 impl Engine for Panics {
-    fn mistakes(&self, _: &Study, _: diagnostic::Source) -> Vec<Problem> {
-        Vec::new()
+    fn mistakes(&self, _: &Study, _: Vec<diagnostic::Source>, _: bool) -> Mistakes {
+        Mistakes::default()
     }
 
     fn schemas(&self) -> Vec<(&'static str, Value)> {

@@ -79,10 +79,7 @@ impl Prepared for Ready<'_> {
     }
 
     fn propositions(&self) -> Option<Propositions<'_>> {
-        Some(Propositions {
-            expressed: &self.compiled.expressed,
-            not_expressed: &self.compiled.not_expressed,
-        })
+        Some(self.compiled.propositions())
     }
 
     fn obstacle(&self) -> Option<&Problem> {
