@@ -1,9 +1,11 @@
 """A conversation with `corroborate decide --protocol` about one test: a line out, a line of JSON in."""
 
+import importlib.util
 import json
 import os
 import shutil
 import subprocess
+import sys
 
 
 class JudgeError(Exception):
@@ -11,20 +13,22 @@ class JudgeError(Exception):
 
 
 def program(named=None):
-    """The program's path: as named, as CORROBORATE says, or on the PATH."""
+    """The words that call the program: as named, as CORROBORATE says, on the PATH, or of the Python package."""
     found = named or os.environ.get("CORROBORATE") or shutil.which("corroborate")
-    if not found:
-        raise JudgeError(
-            "the program `corroborate` is not on the PATH: install it, or name it with --corroborate-program"
-        )
-    return found
+    if found:
+        return [found]
+    if importlib.util.find_spec("corroborate") is not None:
+        return [sys.executable, "-m", "corroborate"]
+    raise JudgeError(
+        "the program `corroborate` is not on the PATH: install it, or name it with --corroborate-program"
+    )
 
 
 class Judge:
     """One test's judge, which has to be closed."""
 
-    def __init__(self, path, name, settings, again, out=None):
-        words = [path, "-q", "decide", "--protocol", "--requirement", name]
+    def __init__(self, call, name, settings, again, out=None):
+        words = list(call) + ["-q", "decide", "--protocol", "--requirement", name]
         for key in ("at_least", "confidence", "margin", "max_trials", "max_errors", "on_error"):
             words += ["--" + key.replace("_", "-"), str(settings[key])]
         words += ["--seed", str(settings["stream"])]
@@ -39,7 +43,7 @@ class Judge:
                 universal_newlines=True,
             )
         except OSError as error:
-            raise JudgeError("{} cannot be started: {}".format(path, error)) from error
+            raise JudgeError("{} cannot be started: {}".format(call[0], error)) from error
 
     def _ask(self, line):
         try:

@@ -177,8 +177,8 @@ class _Repeated:
                 "without it its trials would all be the same"
             )
         again = ["pytest", self.nodeid, "--corroborate-seed", "{seed}"]
-        path = program(self.item.config.getoption("corroborate_program"))
-        judge = Judge(path, self.name, self.settings, again, self._out())
+        call = program(self.item.config.getoption("corroborate_program"))
+        judge = Judge(call, self.name, self.settings, again, self._out())
         try:
             self._trials(judge, Trials(self._folder()))
             return judge.report()

@@ -412,6 +412,84 @@ fn gsn2x_finds_no_fault_in_the_arguments() {
     }
 }
 
+/// The values of an attribute, in the order of the text.
+fn attribute<'t>(text: &'t str, name: &str) -> Vec<&'t str> {
+    let begin = format!(" {name}=\"");
+    let values = text.split(&begin).skip(1);
+    values
+        .map(|it| it.split('"').next().expect("its end"))
+        .collect()
+}
+
+/// Both arguments in SACM: all that the others have, and every reference leads somewhere.
+#[test]
+fn the_arguments_in_sacm_are_whole() {
+    let study = ran();
+    assert_eq!(study.run(&["assure", "study"]).code, 0);
+    let text = read(&study.path("results/assurance/argument.sacm.xmi"));
+    let ids = attribute(&text, "xmi:id");
+    let unique: std::collections::BTreeSet<&str> = ids.iter().copied().collect();
+    assert_eq!(ids.len(), unique.len());
+    let mut references = 0;
+    for name in [
+        "source",
+        "target",
+        "reasoning",
+        "metaClaim",
+        "referencedArtifactElement",
+    ] {
+        for id in attribute(&text, name)
+            .into_iter()
+            .flat_map(|it| it.split(' '))
+        {
+            assert!(unique.contains(id), "{name} {id}");
+            references += 1;
+        }
+    }
+    assert!(references > 20, "{references}");
+    for (package, file) in [("safety", "argument"), ("confidence", "confidence")] {
+        let yaml = read(&study.path(&format!("results/assurance/{file}.gsn.yaml")));
+        let elements = yaml
+            .lines()
+            .filter_map(|it| it.strip_prefix('"')?.strip_suffix("\":"));
+        for element in elements {
+            assert!(
+                unique.contains(format!("{package}.{element}").as_str()),
+                "{element}"
+            );
+        }
+    }
+    // Each claim point of the safety argument is about the claim that argues it.
+    assert!(!attribute(&text, "metaClaim").is_empty());
+    assert!(
+        attribute(&text, "metaClaim")
+            .iter()
+            .all(|it| it.starts_with("confidence.G-"))
+    );
+}
+
+#[test]
+#[ignore = "needs python3 with pyecore in PATH, and the metamodel's folder in CORROBORATE_SACM"]
+fn the_metamodel_of_sacm_takes_the_arguments() {
+    let study = ran();
+    assert_eq!(study.run(&["assure", "study"]).code, 0);
+    let script = root()
+        .join("conformance/peers/sacm.py")
+        .display()
+        .to_string();
+    let metamodel = std::env::var("CORROBORATE_SACM").expect("CORROBORATE_SACM");
+    let file = study
+        .path("results/assurance/argument.sacm.xmi")
+        .display()
+        .to_string();
+    let output = judged_by("python3", &[&script, &metamodel, &file]);
+    assert!(output.status.success(), "{output:?}");
+    assert!(
+        String::from_utf8_lossy(&output.stdout).contains("ArgumentReasoning"),
+        "{output:?}"
+    );
+}
+
 #[test]
 #[ignore = "needs python3 with the package `in-toto-attestation` in PATH"]
 fn the_in_toto_package_reads_the_statements_whole() {

@@ -6,6 +6,7 @@
 :func:`monitor`     recordings judged by formulas or a study's monitors
 :class:`Study`      studies run, compared, plotted, replayed
 :mod:`rig`          a simulator in Python as a rig of a study
+:func:`requirement` a test that is repeated until its rate is decided
 :mod:`stats`        statistics of counted trials
 :class:`Problem`    the one exception for wrong input
 ==================  =====================================================
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from ._space import StateSpace
     from ._studies import Study, StudyResult
     from ._table import Table
+    from ._tests import requirement
 
     __version__: str
 
@@ -42,6 +44,7 @@ _HOMES = {
     "Table": "_table",
     "Verdict": "_formulas",
     "monitor": "_formulas",
+    "requirement": "_tests",
     "rig": "rig",
     "stats": "stats",
 }
