@@ -552,3 +552,26 @@ pub fn pack(bytes: &[u8]) {
     let envelope = u64::from(!none.contains(&found.signature));
     assert_eq!(found.parts, manifest.subject.len() as u64 + 1 + envelope);
 }
+
+/// Reads a table in Parquet, column by column.
+pub fn parquet(bytes: &[u8]) {
+    let Ok(table) = recording::ParquetTable::open(bytes) else {
+        return;
+    };
+    for name in table.names() {
+        let Ok(rows) = table.column(name) else {
+            continue;
+        };
+        assert_eq!(rows.len(), table.rows());
+        // One type at most, and a value or none in each row.
+        let lengths = [
+            rows.bools().map(|it| it.len()),
+            rows.ints().map(|it| it.len()),
+            rows.doubles().map(|it| it.len()),
+        ];
+        assert!(lengths.iter().flatten().count() <= 1);
+        assert!(lengths.iter().flatten().all(|it| *it == table.rows()));
+        assert!(rows.texts().is_none_or(|it| it.len() == table.rows()));
+        assert!(rows.numbers().is_none_or(|it| it.len() == table.rows()));
+    }
+}

@@ -162,3 +162,8 @@ fn behaviour_trees() {
 fn packs() {
     replay("pack", targets::pack);
 }
+
+#[test]
+fn tables_in_parquet() {
+    replay("parquet", targets::parquet);
+}

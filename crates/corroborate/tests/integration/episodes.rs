@@ -347,3 +347,49 @@ fn what_makes_episodes_alike_has_to_be_declared() {
             .contains("both a cohort")
     );
 }
+
+/// Changed, cut and doubled, files of evaluations are other episodes or one error with a remedy, and never a panic.
+#[test]
+fn no_change_of_a_file_makes_it_panic() {
+    let (mut errors, mut read) = (0, 0);
+    let files = [
+        (
+            "eval_info.json",
+            "episode",
+            by_episode(&[true, false, true]),
+        ),
+        (
+            "eval_info.json",
+            "task",
+            by_task(&[&[true, false], &[true]]),
+        ),
+        (
+            "e.csv",
+            "task",
+            "task,seed,success\na,1,true\nb,2,no\n".to_owned(),
+        ),
+    ];
+    for (name, cluster, whole) in files {
+        let study = study(name, cluster);
+        for at in (0..whole.len()).step_by(3) {
+            let (before, behind) = whole.split_at(at);
+            for text in [
+                before.to_owned(),
+                format!("{before}{behind}{behind}"),
+                format!("{before}\"{behind}"),
+                format!("{before}9{}", &behind[1..]),
+                format!("{before}\u{1b}{}", &behind[1..]),
+            ] {
+                write(&study, name, &text);
+                match run(&study) {
+                    Ok(_) => read += 1,
+                    Err(problem) => {
+                        assert!(problem.what_to_do().is_some(), "{problem}: {text}");
+                        errors += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(errors > 100 && read > 20, "{errors} errors, {read} read");
+}

@@ -169,8 +169,8 @@ pub(super) struct TablesText {
     /// A folder of JUnit XML, or one file: each run's test cases are trials of the requirements that their property `verifies` names.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) junit: Option<Spanned<PathBuf>>,
-    /// Episodes of a learned policy: LeRobot's `eval_info.json`, a folder of them, a dataset of LeRobot (version 2), or a table in CSV with
-    /// a row for each. They are a cohort of clusters.
+    /// Episodes of a learned policy: LeRobot's `eval_info.json`, a folder of them, a dataset of LeRobot, a folder of them, or a table in
+    /// CSV with a row for each. They are a cohort of clusters.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) episodes: Option<Spanned<PathBuf>>,
     /// What makes episodes alike: `task`, `seed`, `checkpoint`, a column of the table, or `episode` if each stands by itself.

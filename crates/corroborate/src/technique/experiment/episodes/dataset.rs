@@ -120,7 +120,7 @@ pub(super) fn read(path: &Path, study: &Path, reader: &Files<'_>) -> Result<Data
                 "the dataset does not say whether its episodes succeeded: neither `success` of its episodes nor the feature `{SUCCESS}` is there"
             );
             return Err(bad(&about, "features", message).remedy(
-                "demonstrations are no trials; where these episodes are, write a table in CSV with a row for each (columns success, task, seed, checkpoint)",
+                "do not take demonstrations for trials; where these episodes are, write a table in CSV with a row for each (columns success, task, seed, checkpoint)",
             ));
         }
         by_frames(path, study, reader, &mut listed, &mut digest)?;
