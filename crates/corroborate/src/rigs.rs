@@ -2,10 +2,11 @@
 
 use crate::technique::simulation::load_engine;
 use diagnostic::{Problem, Source};
+use handover::Physics;
 use host::Host;
 use rig::{CommandRig, HandoverRig, HandoverTexts, Rig, ScenePhysics, SceneRig};
 use std::path::Path;
-use study::{Entry, SceneEngine, Simulated, Study};
+use study::{Entry, PhysicsEngine, Simulated, Study};
 
 /// How a text of the study is read.
 pub type Read<'a> = dyn Fn(&Path) -> Result<Source, Problem> + 'a;
@@ -25,7 +26,7 @@ pub struct Opening<'a> {
     /// The path of a file that is not read, and the text that stands in for it.
     pub instead: Option<(&'a Path, &'a Source)>,
     /// The entry of the ledger that is run in another engine than it says, and which.
-    pub in_engine: Option<(&'a Entry, SceneEngine)>,
+    pub in_engine: Option<(&'a Entry, PhysicsEngine)>,
     /// Whether any engine will do, as nothing is run that depends on it: where the physics library is not there, what can be
     /// is opened in the engine that is built in.
     pub any_engine: bool,
@@ -56,15 +57,20 @@ impl<'a> Opening<'a> {
             Simulated::Handover {
                 scenario,
                 parameters,
+                engine,
             } => {
-                self.only_in_its_engine()?;
                 let texts = HandoverTexts {
                     scenario: &self.text(scenario)?,
                     parameters: &self.text(parameters)?,
                     joined: self.joined,
                 };
-                let engine = || load_engine(self.host);
-                Box::new(HandoverRig::new(&texts, self.test, &engine)?)
+                let physics = || {
+                    Ok(match self.engine(engine) {
+                        PhysicsEngine::Rapier => Physics::Rapier,
+                        PhysicsEngine::Mujoco => Physics::Mujoco(load_engine(self.host)?),
+                    })
+                };
+                Box::new(HandoverRig::new(&texts, self.test, &physics)?)
             }
             Simulated::Scene {
                 scene,
@@ -72,16 +78,9 @@ impl<'a> Opening<'a> {
                 engine,
             } => {
                 let source = self.text(scene)?;
-                let engine = match self.in_engine {
-                    _ if self.any_engine && self.host.physics_library.is_none() => {
-                        SceneEngine::Rapier
-                    }
-                    Some((_, engine)) => engine,
-                    None => engine,
-                };
-                let physics = match engine {
-                    SceneEngine::Rapier => ScenePhysics::rapier(),
-                    SceneEngine::Mujoco => ScenePhysics::mujoco(&load_engine(self.host)?),
+                let physics = match self.engine(engine) {
+                    PhysicsEngine::Rapier => ScenePhysics::rapier(),
+                    PhysicsEngine::Mujoco => ScenePhysics::mujoco(&load_engine(self.host)?),
                 };
                 let test = self.test.or(test);
                 let test = (test, physics);
@@ -102,6 +101,15 @@ impl<'a> Opening<'a> {
         })
     }
 
+    /// The engine in which what names this one is run.
+    fn engine(&self, named: PhysicsEngine) -> PhysicsEngine {
+        match self.in_engine {
+            _ if self.any_engine && self.host.physics_library.is_none() => PhysicsEngine::Rapier,
+            Some((_, engine)) => engine,
+            None => named,
+        }
+    }
+
     fn only_in_its_engine(&self) -> Result<(), Problem> {
         match self.in_engine {
             Some((entry, _)) => Err(one_engine(entry)),
@@ -118,19 +126,21 @@ impl<'a> Opening<'a> {
     }
 }
 
-/// What files simulate that are named apart from the ledger: a scenario with its parameters, or a scene with its engine; `None` of
+/// What files simulate that are named apart from the ledger, in this engine: a scenario with its parameters, or a scene; `None` of
 /// any other choice of them.
 pub fn of_files<'p>(
     scenario: Option<&'p Path>,
     parameters: Option<&'p Path>,
-    scene: Option<(&'p Path, SceneEngine)>,
+    scene: Option<&'p Path>,
+    engine: PhysicsEngine,
 ) -> Option<Simulated<'p>> {
     match (scenario, parameters, scene) {
         (Some(scenario), Some(parameters), None) => Some(Simulated::Handover {
             scenario,
             parameters,
+            engine,
         }),
-        (None, None, Some((scene, engine))) => Some(Simulated::Scene {
+        (None, None, Some(scene)) => Some(Simulated::Scene {
             scene,
             test: None,
             engine,
@@ -147,14 +157,14 @@ pub fn of_entry(study: &Study, entry: &Entry, host: &Host) -> Result<Box<dyn Rig
     Opening::new(study, host).open(simulated(entry)?)
 }
 
-/// The rig of a ledger's entry in this engine, whichever the entry says; with its engine, what is no scene is run, too.
+/// The rig of a ledger's entry in this engine, whichever the entry says; with its engine, a command is run, too.
 ///
 /// # Errors
 /// `not-a-simulation`, `one-engine`, and what its files say wrong.
 pub fn in_engine(
     study: &Study,
     entry: &Entry,
-    engine: SceneEngine,
+    engine: PhysicsEngine,
     host: &Host,
 ) -> Result<Box<dyn Rig>, Problem> {
     let simulated = simulated(entry).map_err(|_| one_engine(entry))?;
@@ -192,9 +202,9 @@ fn one_engine(entry: &Entry) -> Problem {
     Problem::new(
         "one-engine",
         format!(
-            "`{}` is not a scene, and only scenes run in another engine; the handover's contacts, servos and short cuts are written for MuJoCo",
+            "`{}` is neither a scene nor the handover, and only these run in another engine",
             entry.id
         ),
     )
-    .remedy("name an entry of the ledger with a `scene`")
+    .remedy("name an entry of the ledger with a `scene`, or with `scenario` and `parameters`")
 }

@@ -3,12 +3,12 @@
 //! `cargo run --release -p corroborate-handover --example campaign -- tuned 100 [first seed] [abstract test]`
 //!
 //! With `CAMPAIGN_FAST=1` in the fast physics, with `CAMPAIGN_FAST=0` in the full one; otherwise as the
-//! scenario has it.
+//! scenario has it. With `CAMPAIGN_ENGINE=rapier` in Rapier instead of MuJoCo.
 
 use std::path::Path;
 use std::time::Instant;
 
-use handover::{Episode, Parameters, Scenario, World, run_episode};
+use handover::{Episode, Parameters, Physics, Scenario, World, run_episode};
 use testbench::{Cancel, Engine};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -27,8 +27,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         scenario.simulation.fast = fast == "1";
     }
     let parameters = Parameters::parse(&std::fs::read_to_string(&file)?)?;
-    let engine = Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?;
-    let mut world = World::new(&engine, &scenario, &parameters)?;
+    let physics = match std::env::var("CAMPAIGN_ENGINE").as_deref() {
+        Ok("rapier") => Physics::Rapier,
+        _ => Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?.into(),
+    };
+    let mut world = World::new(physics, &scenario, &parameters)?;
     if let Some(test) = arguments.get(3) {
         world = world.with_test(test)?;
     }

@@ -2,10 +2,12 @@
 //! episode's physical model as MJCF, to look at in MuJoCo's viewer.
 //!
 //! `cargo run --release -p corroborate-handover --example episode -- tuned 1 /truth [abstract test]`
+//!
+//! With `CAMPAIGN_ENGINE=rapier` in Rapier instead of MuJoCo.
 
 use std::path::Path;
 
-use handover::{Parameters, Scenario, World, run_episode};
+use handover::{Parameters, Physics, Scenario, World, run_episode};
 use testbench::{Cancel, Engine};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -22,8 +24,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let parameters = Parameters::parse(&std::fs::read_to_string(
         folder.join(format!("{set}.toml")),
     )?)?;
-    let engine = Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?;
-    let mut world = World::new(&engine, &scenario, &parameters)?;
+    let physics = match std::env::var("CAMPAIGN_ENGINE").as_deref() {
+        Ok("rapier") => Physics::Rapier,
+        _ => Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?.into(),
+    };
+    let mut world = World::new(physics, &scenario, &parameters)?;
     if let Some(test) = arguments.get(3) {
         world = world.with_test(test)?;
     }

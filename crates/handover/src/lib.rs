@@ -108,6 +108,7 @@
 
 mod model;
 mod outside;
+mod physics;
 mod purpose;
 pub mod robot;
 pub mod scenario;
@@ -115,6 +116,7 @@ mod world;
 
 pub use model::{PhysicalDraws, joint_order, mjcf, standing_pose};
 pub use outside::{Outside, OutsideReadings, Reading, SensorsOutside};
+pub use physics::Physics;
 pub use scenario::{Parameters, Scenario};
 pub use world::{
     EngineAlone, Episode, HandoverBench, Outcome, RunningHandover, SavedHandover, Steps, World,

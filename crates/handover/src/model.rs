@@ -6,6 +6,7 @@
 //! to the fingers, and to the pedestal a ring of four small feet with a ball at either end, for
 //! when it lies. Masses and inertias are given explicitly, so shapes weigh nothing.
 
+mod layout;
 mod part;
 #[cfg(test)]
 mod tests;
@@ -16,8 +17,11 @@ use testbench::geometry::{
     IDENTITY, Pose, Quaternion, Vector, about, compose, from_roll_pitch_yaw,
 };
 
-use crate::scenario::{Body, Drive, InertiaSource, Parameters, Scenario, Shape};
+use crate::scenario::{
+    Body, Drive, InertiaSource, Joint, Object, Parameters, Scenario, Shape,
+};
 
+pub(crate) use layout::{carried, layout};
 pub(crate) use part::{Contacts, Part, hand_is_separable};
 
 /// Masks of who touches whom, as MJCF's `contype` and `conaffinity`.
@@ -248,13 +252,7 @@ pub(crate) fn object_inertia_kg_m2(
 
 fn hinge(text: &mut String, scenario: &Scenario, parameters: &Parameters, body: &Body) {
     let Some(joint) = &body.joint else { return };
-    let (armature, friction_loss) = match joint.drive {
-        Drive::Arm => (scenario.robot.joint_armature_kg_m2, 0.0),
-        Drive::Hand => (
-            scenario.robot.finger_armature_kg_m2,
-            parameters.hand.friction_loss_nm,
-        ),
-    };
+    let (armature, friction_loss) = joint_loads(scenario, parameters, joint.drive);
     put!(
         text,
         r#"<joint name="{}" type="hinge" axis="{}" range="{}" armature="{armature}" frictionloss="{friction_loss}" solreflimit="{} 1"/>"#,
@@ -263,6 +261,34 @@ fn hinge(text: &mut String, scenario: &Scenario, parameters: &Parameters, body: 
         list(joint.range_rad),
         parameters.hand.stop_time_constant_secs
     );
+}
+
+/// The inertia of a joint's drive as seen from the joint (kg m²), and its dry friction (N m).
+fn joint_loads(scenario: &Scenario, parameters: &Parameters, drive: Drive) -> (f64, f64) {
+    match drive {
+        Drive::Arm => (scenario.robot.joint_armature_kg_m2, 0.0),
+        Drive::Hand => (
+            scenario.robot.finger_armature_kg_m2,
+            parameters.hand.friction_loss_nm,
+        ),
+    }
+}
+
+/// Stiffness (N m/rad), damping (N m s/rad) and largest torque (N m) of a joint's servo.
+fn drive_gains(parameters: &Parameters, joint: &Joint) -> [f64; 3] {
+    let hand = &parameters.hand;
+    match joint.drive {
+        Drive::Arm => [
+            joint.stiffness_nm_rad,
+            joint.damping_nms_rad,
+            joint.effort_limit_nm,
+        ],
+        Drive::Hand => [
+            hand.stiffness_nm_rad,
+            hand.damping_nms_rad,
+            hand.torque_limit_nm,
+        ],
+    }
 }
 
 fn contact_geom(text: &mut String, source: &Source<'_>, body: &Body, shape: &Shape) {
@@ -341,32 +367,37 @@ fn object_shapes(text: &mut String, source: &Source<'_>) {
         source.rest_mask(OBJECT_REST_MASK),
     );
     let friction = object.pedestal_friction;
-    let half = object.length_m / 2.0;
-    let end = half - object.radius_m - END_CLEARANCE_M;
+    let (end, rests) = object_rest_shapes(object);
     put!(
         text,
         r#"<geom name="{OBJECT_GEOM}" type="capsule" fromto="0 0 {} 0 0 {end}" size="{}" condim="3" mass="0" {grip}/>"#,
         -end,
         object.radius_m
     );
-    for (name, z) in [("bottom", -end), ("top", end)] {
+    for (name, [x, y, z], radius_m) in rests {
         put!(
             text,
-            r#"<geom name="object_{name}" type="sphere" pos="0 0 {z}" size="{}" friction="{friction} 0.005 0.0001" mass="0" {rest}/>"#,
-            object.radius_m
+            r#"<geom name="object_{name}" type="sphere" pos="{x} {y} {z}" size="{radius_m}" friction="{friction} 0.005 0.0001" mass="0" {rest}/>"#
         );
     }
+}
+
+/// How far along its axis, to either side, the object is a cylinder to the fingers; and the balls on which it rests: their names,
+/// centres in its frame and radii. Two are its ends, for when it lies, four the feet on which it stands.
+fn object_rest_shapes(object: &Object) -> (f64, [(&'static str, Vector, f64); 6]) {
+    let half = object.length_m / 2.0;
+    let end = half - object.radius_m - END_CLEARANCE_M;
     let ring = object.radius_m - FOOT_RADIUS_M;
-    for (index, (x, y)) in [(ring, 0.0), (0.0, ring), (-ring, 0.0), (0.0, -ring)]
-        .iter()
-        .enumerate()
-    {
-        put!(
-            text,
-            r#"<geom name="object_foot{index}" type="sphere" pos="{x} {y} {}" size="{FOOT_RADIUS_M}" friction="{friction} 0.005 0.0001" mass="0" {rest}/>"#,
-            FOOT_RADIUS_M - half
-        );
-    }
+    let foot = |name, x, y| (name, [x, y, FOOT_RADIUS_M - half], FOOT_RADIUS_M);
+    let rests = [
+        ("bottom", [0.0, 0.0, -end], object.radius_m),
+        ("top", [0.0, 0.0, end], object.radius_m),
+        foot("foot0", ring, 0.0),
+        foot("foot1", 0.0, ring),
+        foot("foot2", -ring, 0.0),
+        foot("foot3", 0.0, -ring),
+    ];
+    (end, rests)
 }
 
 /// The human's head and hand: moved by the world, seen by viewers, touching nothing. The hand acts
@@ -433,19 +464,7 @@ fn actuators(text: &mut String, source: &Source<'_>) {
         let Some(joint) = body.and_then(|body| body.joint.as_ref()) else {
             continue;
         };
-        let hand = &source.parameters.hand;
-        let (stiffness, damping, limit) = match joint.drive {
-            Drive::Arm => (
-                joint.stiffness_nm_rad,
-                joint.damping_nms_rad,
-                joint.effort_limit_nm,
-            ),
-            Drive::Hand => (
-                hand.stiffness_nm_rad,
-                hand.damping_nms_rad,
-                hand.torque_limit_nm,
-            ),
-        };
+        let [stiffness, damping, limit] = drive_gains(source.parameters, joint);
         put!(
             text,
             r#"<position joint="{name}" kp="{stiffness}" kv="{damping}" forcerange="{} {limit}"/>"#,

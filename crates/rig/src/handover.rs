@@ -7,7 +7,9 @@ use super::place::problem_in;
 use super::rest::{Link, Pace, Rest};
 use super::rig::{Rig, episode_name, failed, secs_of};
 use super::saving::Resumable;
-use ::handover::{HandoverBench, Outside, OutsideReadings, Parameters, Scenario, run_episode_with};
+use ::handover::{
+    HandoverBench, Outside, OutsideReadings, Parameters, Physics, Scenario, run_episode_with,
+};
 use diagnostic::{Problem, Problems, Source};
 use evidence::{Asset, DescriptionGap, Tool};
 use host::store::Inputs;
@@ -17,7 +19,7 @@ use serde::Deserialize;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use stimulus::{AbstractTest, Stimulus};
-use testbench::{Bench, Drawn, Engine, Recorded, ScenarioError, SimError, Watch};
+use testbench::{Bench, Drawn, Recorded, ScenarioError, SimError, Watch};
 use toml::Table;
 use trace::Trace;
 
@@ -30,8 +32,8 @@ pub struct HandoverRig {
     parameters_text: String,
     tests: Vec<AbstractTest>,
     stimulus: Stimulus,
-    /// The version of the physics engine.
-    version: String,
+    /// The physics engine's name and version.
+    engine: (&'static str, String),
     is_fast: bool,
 }
 
@@ -46,18 +48,18 @@ pub struct HandoverTexts<'a> {
 }
 
 impl HandoverRig {
-    /// The handover of these texts, in the engine that `engine` loads once it is needed. `test` is one of the scenario's
-    /// own tests, the first if it is not named.
+    /// The handover of these texts, in the physics that `physics` loads once they are needed. `test` is one of the
+    /// scenario's own tests, the first if it is not named.
     ///
     /// # Errors
-    /// `fast-physics-as-evidence`, `bad-scenario`, `simulation-failed`, and what `engine` says.
+    /// `fast-physics-as-evidence`, `bad-scenario`, `simulation-failed`, and what `physics` says.
     pub fn new(
         texts: &HandoverTexts<'_>,
         test: Option<&str>,
-        engine: &dyn Fn() -> Result<Engine, Problem>,
+        physics: &dyn Fn() -> Result<Physics, Problem>,
     ) -> Result<Self, Problem> {
         in_full_physics(texts.scenario)?;
-        let (bench, version) = texts.bench(engine)?;
+        let (bench, engine) = texts.bench(physics)?;
         let of_scenario = |error: SimError| scenario_problem(&texts.scenario.name, &error);
         let scenario = Scenario::parse(&texts.scenario.text);
         let scenario = scenario.map_err(|error| of_scenario(error.into()))?;
@@ -71,18 +73,18 @@ impl HandoverRig {
             scenario_text: texts.scenario.text.clone(),
             parameters_text: texts.parameters.text.clone(),
             tests,
-            version,
+            engine,
             is_fast: false,
         })
     }
 }
 
 impl HandoverTexts<'_> {
-    /// The bench, and the version of its engine.
+    /// The bench, and its engine's name and version.
     fn bench(
         &self,
-        engine: &dyn Fn() -> Result<Engine, Problem>,
-    ) -> Result<(HandoverBench, String), Problem> {
+        physics: &dyn Fn() -> Result<Physics, Problem>,
+    ) -> Result<(HandoverBench, (&'static str, String)), Problem> {
         let (scenario, parameters) = (self.scenario, self.parameters);
         if self.joined.is_none() {
             let mut found = Problems::new();
@@ -93,8 +95,8 @@ impl HandoverTexts<'_> {
                 .keep(read.map_err(|it| problem_in::<Parameters>("bad-scenario", parameters, &it)));
             found.or(())?;
         }
-        let engine = engine()?;
-        let bench = HandoverBench::new(&engine, &scenario.text, &parameters.text);
+        let physics = physics()?;
+        let bench = HandoverBench::new(&physics, &scenario.text, &parameters.text);
         let bench = bench.map_err(|error| match self.joined {
             Some(joined) => {
                 let files = format!("{}{joined}{}", scenario.name, parameters.name);
@@ -102,7 +104,7 @@ impl HandoverTexts<'_> {
             }
             None => Problem::new("simulation-failed", error.to_string()),
         })?;
-        Ok((bench, engine.version()))
+        Ok((bench, (physics.name(), physics.version())))
     }
 }
 
@@ -120,13 +122,13 @@ impl Rig for HandoverRig {
             true => ", fast physics",
             false => "",
         };
-        format!("MuJoCo {}{physics}", self.version)
+        format!("{} {}{physics}", self.engine.0, self.engine.1)
     }
 
     fn tool(&self) -> Tool {
         Tool {
-            name: "MuJoCo".to_owned(),
-            version: self.version.clone(),
+            name: self.engine.0.to_owned(),
+            version: self.engine.1.clone(),
             settings: format!("time step {} s", self.scenario.simulation.time_step_secs),
         }
     }
@@ -173,8 +175,12 @@ impl Rig for HandoverRig {
     }
 
     fn own_inputs(&self, inputs: &mut Inputs) {
+        let (name, version) = &self.engine;
+        inputs.add("engine", version.as_bytes());
+        if *name != "MuJoCo" {
+            inputs.add("engine_name", name.as_bytes());
+        }
         inputs
-            .add("engine", self.version.as_bytes())
             .add("scenario", self.scenario_text.as_bytes())
             .add("parameters", self.parameters_text.as_bytes());
     }
@@ -356,8 +362,8 @@ mod tests {
             parameters: &parameters,
             joined: None,
         };
-        let engine = || -> Result<Engine, Problem> { panic!("texts are read first") };
-        let refused = HandoverRig::new(&texts, None, &engine).err();
+        let physics = || -> Result<Physics, Problem> { panic!("texts are read first") };
+        let refused = HandoverRig::new(&texts, None, &physics).err();
         let said = refused.expect("it is empty").to_string();
         for part in [
             "scenario.toml:1:1",

@@ -29,7 +29,7 @@
 //! From `[test]` on it is the file of a stimulus, as an outside command gets
 //! it. The seed is a text, since programs read numbers beyond 2^53 wrongly.
 
-use crate::SceneEngine;
+use crate::PhysicsEngine;
 use crate::placed::value_place;
 use diagnostic::{Problem, Source};
 use evidence::FailureKind;
@@ -84,9 +84,9 @@ pub struct BenchFiles {
     /// The file of a scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
-    /// The physics engine of a scene; MuJoCo, if absent.
+    /// The physics engine of a scene or of the handover; MuJoCo, if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub engine: Option<SceneEngine>,
+    pub engine: Option<PhysicsEngine>,
     /// When the episode is ended, in whole seconds, since what it shows is
     /// decided by then; it runs to its own end if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -168,10 +168,10 @@ impl Choice for OnFailure {
     ];
 }
 
-/// The physics engine of a scene.
+/// The physics engine of a scene or of the handover.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, JsonSchema, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum SceneEngine {
+pub enum PhysicsEngine {
     /// MuJoCo, a library that is fetched apart.
     #[default]
     Mujoco,
@@ -179,7 +179,12 @@ pub enum SceneEngine {
     Rapier,
 }
 
-impl SceneEngine {
+impl PhysicsEngine {
+    /// Whether it is the one that is meant where nothing is said.
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
     /// The other one of the two.
     #[must_use]
     pub fn other(self) -> Self {
@@ -190,7 +195,7 @@ impl SceneEngine {
     }
 }
 
-impl Choice for SceneEngine {
+impl Choice for PhysicsEngine {
     const CHOICES: &'static [(Self, &'static str, &'static str)] = &[
         (
             Self::Mujoco,
@@ -274,6 +279,9 @@ pub enum Work {
         scenario: PathBuf,
         /// The parameter set's file, relative to the study.
         parameters: PathBuf,
+        /// The physics engine. MuJoCo, the only one at first, is not written: what was found in it stays valid.
+        #[serde(skip_serializing_if = "PhysicsEngine::is_default")]
+        engine: PhysicsEngine,
         /// How many episodes.
         episodes: u64,
     },
@@ -284,7 +292,7 @@ pub enum Work {
         /// Which of its tests is enacted; the first if none is named.
         test: Option<String>,
         /// The physics engine.
-        engine: SceneEngine,
+        engine: PhysicsEngine,
         /// How many episodes.
         episodes: u64,
     },

@@ -31,7 +31,7 @@ pub use finding::{BenchFiles, Expected, Finding, Shows, UnknownStep};
 pub use judging_form::{FormulaRule, JudgingForm, Rule, START_WITHIN_SECS, is_name};
 pub use ledger::{
     Calibrated, Choice, CommandText, Entry, Keep, Method, OnFailure, Parts, RecordingFiles,
-    SceneEngine, Simulated, TableFiles, TreeEvent, UntilText, Work,
+    PhysicsEngine, Simulated, TableFiles, TreeEvent, UntilText, Work,
 };
 pub use parameters::StudyParameters;
 pub use requirements::{

@@ -3,7 +3,7 @@
 use super::{Format, choice};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use study::{Keep, OnFailure, SceneEngine};
+use study::{Keep, OnFailure, PhysicsEngine};
 
 /// Arguments of `simulate`.
 #[derive(Debug, Args)]
@@ -48,9 +48,9 @@ pub struct Simulate {
     /// Where the recordings go.
     #[arg(long, value_name = "FOLDER")]
     pub out: PathBuf,
-    /// The physics engine of a scene, in place of the ledger's; the handover runs in MuJoCo only.
-    #[arg(long, value_parser = choice::<SceneEngine>(), value_name = "ENGINE")]
-    pub engine: Option<SceneEngine>,
+    /// The physics engine of a scene or of the handover, in place of the ledger's.
+    #[arg(long, value_parser = choice::<PhysicsEngine>(), value_name = "ENGINE")]
+    pub engine: Option<PhysicsEngine>,
     /// What the recordings hold.
     #[arg(long = "as", value_enum, default_value_t, value_name = "FORM")]
     pub form: RecordingForm,

@@ -5,7 +5,7 @@ use crate::rigs::{self, Opening};
 use diagnostic::{Problem, Source};
 use host::Host;
 use rig::Rig;
-use study::{SceneEngine, Study};
+use study::{PhysicsEngine, Study};
 
 /// Opens what the file names, with the test that episodes enact. An estimate is a figure: it is of the full physics, however
 /// long that takes.
@@ -21,9 +21,9 @@ pub fn open(
         ..Opening::new(study, host)
     };
     let (scenario, scene) = (text.scenario.as_deref(), text.scene.as_deref());
-    let of_scene = scene.map(|scene| (scene, SceneEngine::default()));
-    let of_files = rigs::of_files(scenario, text.parameters.as_deref(), of_scene);
-    let has_files = scenario.or(scene).or(text.parameters.as_deref()).is_some();
+    let (parameters, engine) = (text.parameters.as_deref(), PhysicsEngine::default());
+    let of_files = rigs::of_files(scenario, parameters, scene, engine);
+    let has_files = scenario.or(scene).or(parameters).is_some();
     match (&text.evidence, of_files) {
         (Some(evidence), None) if !has_files => {
             opening.open(rigs::simulated(study.entry(evidence)?)?)

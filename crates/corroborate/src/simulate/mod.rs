@@ -17,7 +17,7 @@ use host::files::write_whole;
 use host::store::Inputs;
 use rig::Rig;
 use std::path::{Path, PathBuf};
-use study::{Entry, Keep, OnFailure, SceneEngine, Study};
+use study::{Entry, Keep, OnFailure, PhysicsEngine, Study};
 
 /// What recordings of a simulation hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,8 +50,8 @@ pub struct SimulateRequest {
     pub seed: Option<u64>,
     /// The folder for recordings and results. One that holds episodes of the same request is gone on with.
     pub out: PathBuf,
-    /// The physics engine instead of the ledger's; what is no scene is simulated in MuJoCo alone.
-    pub engine: Option<SceneEngine>,
+    /// The physics engine instead of the ledger's; a command has its own.
+    pub engine: Option<PhysicsEngine>,
     /// What the recordings hold.
     pub form: RecordingForm,
 }

@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use stimulus::{Settings, Stimulus};
 use testbench::{
-    Bench, Cancel, Drawn, Engine, Recorded, Savable, ScenarioError, SimError, Status, Unwatched,
+    Bench, Cancel, Drawn, Recorded, Savable, ScenarioError, SimError, Status, Unwatched,
     Watch,
 };
 use toml::Table;
@@ -23,12 +23,13 @@ use super::episode::{Episode, watch_episode};
 use super::recorder::Recorder;
 use super::run::Run;
 use super::setup::World;
+use crate::physics::Physics;
 use crate::scenario::{AbstractTest, Parameters, Scenario};
 
 /// The handover world, made anew for each stimulus.
 #[derive(Debug, Clone)]
 pub struct HandoverBench {
-    engine: Engine,
+    physics: Physics,
     data: Table,
     world: World,
 }
@@ -46,16 +47,21 @@ impl HandoverBench {
     /// # Errors
     /// [`SimError::Scenario`] for texts that cannot be used, [`SimError::Engine`] when the physics
     /// engine refuses the model.
-    pub fn new(engine: &Engine, scenario: &str, parameters: &str) -> Result<Self, SimError> {
+    pub fn new(
+        physics: impl Into<Physics>,
+        scenario: &str,
+        parameters: &str,
+    ) -> Result<Self, SimError> {
+        let physics = physics.into();
         let world = World::new(
-            engine,
+            &physics,
             &Scenario::parse(scenario)?,
             &Parameters::parse(parameters)?,
         )?;
         let data = [("scenario", scenario), ("parameters", parameters)]
             .map(|(key, text)| Ok((key.to_owned(), table(text)?.into())));
         Ok(Self {
-            engine: engine.clone(),
+            physics,
             data: data.into_iter().collect::<Result<_, ScenarioError>>()?,
             world,
         })
@@ -69,11 +75,14 @@ impl HandoverBench {
 
     /// The same bench in the fast physics (see the crate's "Fast physics"), which is approximate: for
     /// searching, where what is found is shown by the full physics before it counts. `None` where the
-    /// scenario has none, or this is that bench already.
+    /// scenario or the engine has none, or this is that bench already.
     #[must_use]
     pub fn in_fast_physics(&self) -> Option<Self> {
         let scenario = &self.world.setup().scenario;
-        if scenario.simulation.fast || !crate::model::hand_is_separable(scenario) {
+        if !self.physics.has_short_cuts()
+            || scenario.simulation.fast
+            || !crate::model::hand_is_separable(scenario)
+        {
             return None;
         }
         let mut data = self.data.clone();
@@ -82,7 +91,7 @@ impl HandoverBench {
             .as_table_mut()?
             .insert("fast".to_owned(), true.into());
         Some(Self {
-            engine: self.engine.clone(),
+            physics: self.physics.clone(),
             data,
             world: self.world.clone().in_fast_physics(),
         })
@@ -135,7 +144,7 @@ impl HandoverBench {
             ));
         }
         let parameters = Parameters::from_table(take("parameters")).map_err(unsuitable)?;
-        Ok(World::unchecked(&self.engine, scenario, parameters)?.enacting(test))
+        Ok(World::unchecked(&self.physics, scenario, parameters)?.enacting(test))
     }
 
     /// The numbers that the run of a stimulus and a seed draws once. With all of them as settings the

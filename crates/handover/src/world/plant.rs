@@ -1,6 +1,6 @@
 //! The robot's body and the object in the physics engine.
 //!
-//! The whole model is the reference. With `simulation.fast` less than that stands in for it: the arm
+//! The whole model is the reference, in MuJoCo or in Rapier. In MuJoCo, with `simulation.fast`, less than that stands in for it: the arm
 //! alone while hand and object are [`apart`], and [`glide`]s between bursts of the whole model while
 //! the motion is steady ([`Plant::may_glide`] says where contacts allow for them).
 
@@ -15,15 +15,18 @@ mod coriolis;
 mod glide;
 mod inertia;
 mod joints;
+mod rapier;
 mod seen;
 mod swing;
 mod tree;
+mod whole;
 mod yielding;
 
 use std::sync::Arc;
 
 use super::human::Wrench;
 use crate::model::{self, Contacts, Part, PhysicalDraws};
+use crate::physics::Physics;
 use crate::robot::Commands;
 use crate::scenario::{Drive, Parameters, Scenario};
 
@@ -32,7 +35,8 @@ use body::{Blueprint, Body, Configuration};
 use glide::Glide;
 use joints::{DrivenJoint, driven_joints};
 use testbench::geometry::{Pose, Vector};
-use testbench::{Engine, EngineError};
+use testbench::SimError;
+use whole::Whole;
 
 pub(crate) use joints::arm_joint_names;
 
@@ -78,7 +82,7 @@ pub(crate) struct Plant {
     joints: Vec<DrivenJoint>,
     finger_joints: Vec<usize>,
     regime: Regime,
-    whole: Body,
+    whole: Whole,
     /// Steady motion of the whole model.
     glide: Glide,
     /// Whether the hand held the object after the last step of the whole model.
@@ -91,15 +95,15 @@ pub(crate) struct Plant {
 impl Plant {
     /// Builds the model and puts the arm at the neutral pose with the hand open.
     pub(crate) fn new(
-        engine: &Engine,
+        physics: &Physics,
         scenario: &Scenario,
         parameters: &Parameters,
         draws: &PhysicalDraws,
         contacts: Contacts,
-    ) -> Result<Self, EngineError> {
+    ) -> Result<Self, SimError> {
         let joints = driven_joints(scenario, &parameters.arm);
         let blueprint = Blueprint {
-            engine: engine.clone(),
+            physics: physics.clone(),
             scenario: scenario.clone(),
             parameters: parameters.clone(),
             draws: *draws,
@@ -111,7 +115,7 @@ impl Plant {
             contacts,
             is_without_human: true,
         };
-        let whole = Body::new(&blueprint, &joints, part)?;
+        let whole = Whole::new(&blueprint, &joints, part)?;
         let index = |name: &String| joints.iter().position(|joint| &joint.name == name);
         let step_secs = scenario.simulation.time_step_secs;
         let mut plant = Self {
@@ -136,7 +140,7 @@ impl Plant {
     }
 
     /// The same plant once more, in exactly the same state.
-    pub(crate) fn duplicate(&self) -> Result<Self, EngineError> {
+    pub(crate) fn duplicate(&self) -> Result<Self, SimError> {
         Ok(Self {
             blueprint: Arc::clone(&self.blueprint),
             joints: self.joints.clone(),
@@ -166,9 +170,7 @@ impl Plant {
                 spin_rad_s: [0.0; 3],
             },
         };
-        self.whole.set(&start);
-        self.whole.set_controls(&self.joints);
-        self.whole.forward();
+        self.whole.start(&start, &self.joints);
     }
 
     /// Takes over the robot's commands.
@@ -180,7 +182,7 @@ impl Plant {
     }
 
     /// Advances drives and physics by one time step under the human's force, if there is one.
-    pub(crate) fn step(&mut self, wrench: Option<&Wrench>) -> Result<(), EngineError> {
+    pub(crate) fn step(&mut self, wrench: Option<&Wrench>) -> Result<(), SimError> {
         let step_secs = self.blueprint.scenario.simulation.time_step_secs;
         let wrench = wrench.copied().unwrap_or_default();
         if self.is_fast {
@@ -231,8 +233,8 @@ impl Plant {
         self.whole
             .step(&self.joints, wrench.force_newtons, wrench.torque_nm);
         self.is_held = self.whole.grip() != Grip::default();
-        if may_glide {
-            self.glide.watch(&self.whole, &self.joints, wrench);
+        if may_glide && let Whole::Mujoco(body) = &self.whole {
+            self.glide.watch(body, &self.joints, wrench);
         }
     }
 
@@ -248,9 +250,9 @@ impl Plant {
 
     /// Takes a glide's state over into the whole model.
     fn land(&mut self) {
-        if let Some(landing) = self.glide.land() {
-            self.whole.set(&landing.now);
-            self.whole.turn_start(landing.turned);
+        if let (Some(landing), Whole::Mujoco(body)) = (self.glide.land(), &mut self.whole) {
+            body.set(&landing.now);
+            body.turn_start(landing.turned);
         }
     }
 
@@ -264,8 +266,11 @@ impl Plant {
         }
         self.land();
         let (blueprint, joints) = (&self.blueprint, &self.joints);
-        let now = self.whole_now();
-        let begun = Apart::begin(blueprint, joints, &self.whole, &now, self.fingers_swing);
+        let Whole::Mujoco(body) = &self.whole else {
+            return;
+        };
+        let now = configuration(body, joints.len());
+        let begun = Apart::begin(blueprint, joints, body, &now, self.fingers_swing);
         if let Some(apart) = begun.filter(|it| it.may_go_on(joints, self.arm_accelerates)) {
             self.glide.forget();
             self.enter(Regime::Apart(Box::new(apart)));
@@ -279,21 +284,11 @@ impl Plant {
 
     /// Goes on with the whole model.
     fn wake(&mut self) {
-        if let Regime::Apart(apart) = std::mem::replace(&mut self.regime, Regime::Whole) {
-            self.whole.set(&apart.configuration());
+        let regime = std::mem::replace(&mut self.regime, Regime::Whole);
+        if let (Regime::Apart(apart), Whole::Mujoco(body)) = (regime, &mut self.whole) {
+            body.set(&apart.configuration());
             self.enter(Regime::Whole);
         }
-    }
-
-    /// The configuration of the whole model.
-    fn whole_now(&self) -> Configuration {
-        let mut now = Configuration {
-            positions_rad: vec![0.0; self.joints.len()],
-            velocities_rad_s: vec![0.0; self.joints.len()],
-            object: self.whole.object_now(),
-        };
-        self.whole.get(&mut now);
-        now
     }
 
     /// Time steps so far.
@@ -381,4 +376,15 @@ impl Plant {
     pub(crate) fn warning_count(&self) -> u64 {
         self.whole.warning_count()
     }
+}
+
+/// The configuration of the whole model, which has so many joints.
+fn configuration(body: &Body, joints: usize) -> Configuration {
+    let mut now = Configuration {
+        positions_rad: vec![0.0; joints],
+        velocities_rad_s: vec![0.0; joints],
+        object: body.object_now(),
+    };
+    body.get(&mut now);
+    now
 }

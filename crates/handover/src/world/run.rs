@@ -90,7 +90,7 @@ impl Run {
             longest_steps: (settings.longest_secs / settings.time_step_secs) as u64,
             seed,
             periods: periods(scenario),
-            plant: Plant::new(&setup.engine, scenario, parameters, &draws, setup.contacts)?,
+            plant: Plant::new(&setup.physics, scenario, parameters, &draws, setup.contacts)?,
             controller: Controller::new(scenario, setup.arm_joints.clone(), world.reset_pose(seed)),
             human,
             tracker: Tracker::new(
@@ -375,8 +375,8 @@ fn describe(recorder: &mut Recorder, setup: &Setup, seed: u64, draws: &PhysicalD
     recorder.note("parameters", &setup.parameters.name);
     recorder.note("abstract_test", &setup.test.name);
     recorder.note("seed", seed);
-    recorder.note("engine", "MuJoCo");
-    recorder.note("engine_version", setup.engine.version());
+    recorder.note("engine", setup.physics.name());
+    recorder.note("engine_version", setup.physics.version());
     recorder.note("time_step_secs", setup.scenario.simulation.time_step_secs);
     recorder.note("object_mass_kg", draws.object_mass_kg);
     recorder.note("friction", draws.friction);

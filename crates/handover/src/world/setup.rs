@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use testbench::{Distribution, Drawn, Engine, SimError, Stream};
+use testbench::{Distribution, Drawn, SimError, Stream};
 
 use super::plant::{Plant, arm_joint_names};
 use crate::model::{Contacts, PhysicalDraws, standing_pose};
+use crate::physics::Physics;
 use crate::purpose::Purpose;
 use crate::robot::ResetPose;
 use crate::scenario::{AbstractTest, Parameters, Scenario};
@@ -17,7 +18,7 @@ pub struct World(Arc<Setup>);
 /// What a world is made of.
 #[derive(Debug, Clone)]
 pub(crate) struct Setup {
-    pub(crate) engine: Engine,
+    pub(crate) physics: Physics,
     pub(crate) scenario: Scenario,
     pub(crate) parameters: Parameters,
     pub(crate) test: AbstractTest,
@@ -32,20 +33,21 @@ impl World {
     /// # Errors
     /// When the physics engine refuses the scenario's model.
     pub fn new(
-        engine: &Engine,
+        physics: impl Into<Physics>,
         scenario: &Scenario,
         parameters: &Parameters,
     ) -> Result<Self, SimError> {
-        let world = Self::unchecked(engine, scenario.clone(), parameters.clone())?;
+        let physics = physics.into();
+        let world = Self::unchecked(&physics, scenario.clone(), parameters.clone())?;
         // A model that cannot be built is found here rather than in the first episode.
         let draws = world.physical_draws(0);
-        Plant::new(engine, scenario, parameters, &draws, world.setup().contacts)?;
+        Plant::new(&physics, scenario, parameters, &draws, world.setup().contacts)?;
         Ok(world)
     }
 
     /// As [`World::new`], but a model that the engine refuses is found in the first episode.
     pub(crate) fn unchecked(
-        engine: &Engine,
+        physics: &Physics,
         scenario: Scenario,
         parameters: Parameters,
     ) -> Result<Self, SimError> {
@@ -55,7 +57,7 @@ impl World {
             });
         };
         Ok(Self(Arc::new(Setup {
-            engine: engine.clone(),
+            physics: physics.clone(),
             arm_joints: arm_joint_names(&scenario),
             scenario,
             parameters,

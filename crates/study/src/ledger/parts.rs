@@ -3,7 +3,7 @@
 //! Diagnosis, refinement, replays and searches ask for a part (a model, tables, recordings, what is simulated) and never
 //! for the kind of work, so that new work is one more row of [`Work::parts`], in which no field can be left out.
 
-use super::{CommandText, SceneEngine, Work};
+use super::{CommandText, PhysicsEngine, Work};
 use evidence::Technique;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -76,6 +76,8 @@ pub enum Simulated<'w> {
         scenario: &'w Path,
         /// The parameter set's file, relative to the study.
         parameters: &'w Path,
+        /// The physics engine.
+        engine: PhysicsEngine,
     },
     /// A scene.
     Scene {
@@ -84,7 +86,7 @@ pub enum Simulated<'w> {
         /// Which of its tests is enacted; the first if none is named.
         test: Option<&'w str>,
         /// The physics engine.
-        engine: SceneEngine,
+        engine: PhysicsEngine,
     },
     /// A command.
     Command(&'w CommandText),
@@ -121,11 +123,11 @@ impl<'w> Simulated<'w> {
         }
     }
 
-    /// The physics engine, of a scene.
-    pub fn engine(self) -> Option<SceneEngine> {
+    /// The physics engine, of a scene and of the handover.
+    pub fn engine(self) -> Option<PhysicsEngine> {
         match self {
-            Simulated::Scene { engine, .. } => Some(engine),
-            Simulated::Handover { .. } | Simulated::Command(_) => None,
+            Simulated::Scene { engine, .. } | Simulated::Handover { engine, .. } => Some(engine),
+            Simulated::Command(_) => None,
         }
     }
 
@@ -172,6 +174,7 @@ impl Work {
             Work::Simulate {
                 scenario,
                 parameters,
+                engine,
                 episodes,
             } => Parts {
                 technique: Technique::Simulation,
@@ -180,6 +183,7 @@ impl Work {
                 simulated: Some(Simulated::Handover {
                     scenario,
                     parameters,
+                    engine: *engine,
                 }),
                 episodes: *episodes,
                 tables: None,

@@ -1,7 +1,7 @@
 //! Reads `ledger.toml` and holds it against the rest of the study.
 
 use super::{
-    Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, SceneEngine, UntilText,
+    Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, PhysicsEngine, UntilText,
     Work,
 };
 use crate::{About, Forms, Texts};
@@ -92,9 +92,9 @@ pub(super) struct EntryText {
     /// Which test of the scene is run; the first, if absent.
     #[schemars(with = "Option<String>")]
     pub(super) test: Option<Spanned<String>>,
-    /// The physics engine of the scene; MuJoCo, if absent.
-    #[schemars(with = "Option<SceneEngine>")]
-    pub(super) engine: Option<Spanned<SceneEngine>>,
+    /// The physics engine of the scene or of the handover; MuJoCo, if absent.
+    #[schemars(with = "Option<PhysicsEngine>")]
+    pub(super) engine: Option<Spanned<PhysicsEngine>>,
     /// How many episodes are run, at most where `until` ends earlier. Simulation and commands.
     #[schemars(with = "Option<u64>")]
     pub(super) episodes: Option<Spanned<u64>>,

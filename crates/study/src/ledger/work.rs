@@ -1,7 +1,7 @@
 //! What an entry of the ledger does, out of the keys that say so; keys that belong to other work are refused.
 
 use super::read::{EntryText, Reader, TablesText};
-use super::{CommandText, Method, Sampling, SceneEngine, TreeEvent, Work};
+use super::{CommandText, Method, Sampling, PhysicsEngine, TreeEvent, Work};
 use crate::placed::toml_place;
 use diagnostic::{Problem, Problems};
 use evidence::Subject;
@@ -23,6 +23,7 @@ fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
             &[
                 "scenario",
                 "parameters",
+                "engine",
                 "episodes",
                 "seeds",
                 "until",
@@ -151,6 +152,11 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 28] {
         ("producer", at(producer)),
         ("with", at(with)),
     ]
+}
+
+/// The physics engine that an entry names; MuJoCo, if it names none.
+fn engine_of(text: &EntryText) -> PhysicsEngine {
+    text.engine.as_ref().map(|it| *it.get_ref()).unwrap_or_default()
 }
 
 impl Reader<'_> {
@@ -461,7 +467,7 @@ impl Reader<'_> {
             return found.or(work.unwrap_or(Work::SimulateScene {
                 scene: PathBuf::new(),
                 test: None,
-                engine: SceneEngine::default(),
+                engine: PhysicsEngine::default(),
                 episodes,
             }));
         }
@@ -471,6 +477,7 @@ impl Reader<'_> {
         found.or(Work::Simulate {
             scenario: scenario.unwrap_or_default(),
             parameters: parameters.unwrap_or_default(),
+            engine: engine_of(text),
             episodes,
         })
     }
@@ -492,11 +499,7 @@ impl Reader<'_> {
         Ok(Work::SimulateScene {
             scene: self.existing(scene)?,
             test: text.test.as_ref().map(|test| test.get_ref().clone()),
-            engine: text
-                .engine
-                .as_ref()
-                .map(|it| *it.get_ref())
-                .unwrap_or_default(),
+            engine: engine_of(text),
             episodes,
         })
     }

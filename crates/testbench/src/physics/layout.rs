@@ -82,6 +82,19 @@ pub struct RapierSolver {
     pub contact_frequency_hz: Option<f64>,
     /// How damped contacts are; 1 is critical.
     pub contact_damping_ratio: Option<f64>,
+    /// The same of contacts with what is fixed, where these are others.
+    pub fixed_contact: Option<Spring>,
+    /// Passes over drives, stops, dry friction and contacts in a substep.
+    pub iterations: Option<usize>,
+}
+
+/// A spring and a damper that act on the mass that they meet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spring {
+    /// Its natural frequency, undamped.
+    pub frequency_hz: f64,
+    /// How damped it is; 1 is critical.
+    pub damping_ratio: f64,
 }
 
 impl Default for RapierSolver {
@@ -90,6 +103,8 @@ impl Default for RapierSolver {
             substeps: 4,
             contact_frequency_hz: None,
             contact_damping_ratio: None,
+            fixed_contact: None,
+            iterations: None,
         }
     }
 }
@@ -175,6 +190,36 @@ pub struct Softness {
     pub impedance: Option<[f64; 5]>,
 }
 
+impl Softness {
+    /// MuJoCo's `solimp` as it comes.
+    const IMPEDANCE: [f64; 2] = [0.9, 0.95];
+
+    /// The spring and damper that give way as MuJoCo's constraint does, for an engine that has these.
+    ///
+    /// MuJoCo's documentation ("Computation", constraint model): the acceleration is `a = (1 - d) a0 - d (b v + d k r)`, where `a0` is
+    /// that without the constraint, `d` the impedance, `b = 2 / (d_max T)` and `k = 1 / (d_max T z)^2`, with the time constant `T`
+    /// and the damping ratio `z`. Divided by `1 - d` this is a mass `m / (1 - d)` on a spring of `m k d^2 / (1 - d)` and a damper of
+    /// `m b d / (1 - d)`. Here the mass is `m`: with a natural frequency of `d sqrt(k / (1 - d)) / (2 pi)` and a damping ratio of
+    /// `z / sqrt(1 - d)` spring and damper are the same, so that what is at rest, or moves slowly, sinks in as far, and as fast.
+    ///
+    /// Deviation: blows are taken by a smaller mass; `d` grows with the penetration, and its mean between least and greatest is
+    /// taken, so that the spring is right within a factor of 1.6 as `solimp` comes.
+    #[must_use]
+    pub fn spring(&self) -> Spring {
+        let [least, most] = match self.impedance {
+            Some([least, most, ..]) => [least, most],
+            None => Self::IMPEDANCE,
+        };
+        let impedance = (least + most) / 2.0;
+        let rate = 1.0 / (most * self.time_constant_secs * self.damping_ratio);
+        let stiffer = impedance / (1.0 - impedance).sqrt();
+        Spring {
+            frequency_hz: stiffer * rate / (2.0 * std::f64::consts::PI),
+            damping_ratio: self.damping_ratio / (1.0 - impedance).sqrt(),
+        }
+    }
+}
+
 /// Which other shapes a shape touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Touches {
@@ -182,6 +227,13 @@ pub enum Touches {
     All,
     /// All but those of the same group, 0 to 30.
     AllButGroup(u8),
+    /// Those of these kinds, as bits (0 to 30), and those that touch what it is.
+    Kinds {
+        /// The kinds that it is of.
+        is: u32,
+        /// The kinds that it touches.
+        touches: u32,
+    },
     /// None.
     Nothing,
 }
@@ -243,6 +295,8 @@ pub struct JointPlan {
     pub stiffness: f64,
     /// Where the spring rests.
     pub spring_reference: f64,
+    /// How soft its stops are; as the engine has them, if it is not said.
+    pub stop: Option<Softness>,
 }
 
 /// A joint that follows another: its position is a polynomial of the leader's.

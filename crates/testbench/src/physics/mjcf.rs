@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use super::layout::{
     BodyPlan, Cone, DriveKind, Form, Inertia, JointKind, Layout, Motion, MujocoSolver, ShapePlan,
-    Surface, Touches,
+    Softness, Surface, Touches,
 };
 use crate::geometry::Pose;
 
@@ -175,9 +175,16 @@ fn joint_of(text: &mut String, layout: &Layout, body: usize) {
         let range = joint.range.map_or(String::new(), |range| {
             format!(r#" range="{}""#, numbers(&range))
         });
+        let stop = joint.stop.map_or(String::new(), |stop| {
+            let mut text = format!(r#" solreflimit="{}""#, reference_of(&stop));
+            if let Some(impedance) = &stop.impedance {
+                text.push_str(&format!(r#" solimplimit="{}""#, numbers(impedance)));
+            }
+            text
+        });
         put!(
             text,
-            r#"<joint name="{}" type="{kind}" pos="{}" axis="{}" ref="{}" stiffness="{}" springref="{}" damping="{}" frictionloss="{}" armature="{}"{range}/>"#,
+            r#"<joint name="{}" type="{kind}" pos="{}" axis="{}" ref="{}" stiffness="{}" springref="{}" damping="{}" frictionloss="{}" armature="{}"{range}{stop}/>"#,
             escaped(&joint.name),
             numbers(&joint.anchor_m),
             numbers(&joint.axis),
@@ -225,13 +232,17 @@ fn surface_of(surface: &Surface) -> String {
     };
     let mut text = format!(r#"condim="{dimensions}""#);
     if let Some(softness) = &surface.softness {
-        let reference = [softness.time_constant_secs, softness.damping_ratio];
-        text.push_str(&format!(r#" solref="{}""#, numbers(&reference)));
+        text.push_str(&format!(r#" solref="{}""#, reference_of(softness)));
         if let Some(impedance) = &softness.impedance {
             text.push_str(&format!(r#" solimp="{}""#, numbers(impedance)));
         }
     }
     text
+}
+
+/// The numbers of a `solref`.
+fn reference_of(softness: &Softness) -> String {
+    numbers(&[softness.time_constant_secs, softness.damping_ratio])
 }
 
 /// MuJoCo takes the friction of the shape with the higher priority: the smaller friction's.
@@ -248,6 +259,7 @@ fn masks_of(touches: Touches) -> String {
             let bit = 1 << group.min(30);
             (bit, ALL & !bit)
         }
+        Touches::Kinds { is, touches } => (ALL & is, ALL & touches),
         Touches::Nothing => (0, 0),
     };
     format!(r#"contype="{kind}" conaffinity="{touched}""#)

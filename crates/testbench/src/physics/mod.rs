@@ -14,7 +14,8 @@ mod rapier;
 
 pub use layout::{
     BodyPlan, Cone, CouplingPlan, DriveKind, DrivePlan, Form, Inertia, JointKind, JointPlan,
-    Layout, Motion, MujocoSolver, RapierSolver, ShapePlan, Softness, Solver, Surface, Touches,
+    Layout, Motion, MujocoSolver, RapierSolver, ShapePlan, Softness, Solver, Spring, Surface,
+    Touches,
 };
 pub use mjcf::mjcf_of;
 pub use mujoco::MujocoPhysics;

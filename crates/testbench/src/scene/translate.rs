@@ -69,6 +69,7 @@ pub(super) fn add_model(
             armature: joint.armature,
             stiffness: joint.stiffness,
             spring_reference: joint.spring_reference,
+            stop: None,
         });
     }
     add_relations(layout, model, bodies, &joint_places);

@@ -9,7 +9,7 @@ use rig::Rig;
 pub use rig::failed;
 use std::path::Path;
 use stimulus::{AbstractTest, Stimulus};
-use study::{BenchFiles, CommandText, Entry, SceneEngine, Simulated, Study};
+use study::{BenchFiles, CommandText, Entry, PhysicsEngine, Simulated, Study};
 use testbench::{Drawn, End, Failure, Part, Recorded, SimError, Unwatched, Watch};
 use toml::Table;
 use trace::Trace;
@@ -36,19 +36,20 @@ impl OpenBench {
             evidence: entry.id.clone(),
             ..BenchFiles::default()
         };
-        match entry.work.simulated() {
+        let simulated = entry.work.simulated();
+        // What is not said is MuJoCo's, as in files that were written before there was a choice.
+        let engine = simulated.and_then(Simulated::engine);
+        files.engine = engine.filter(|it| *it != PhysicsEngine::default());
+        match simulated {
             Some(Simulated::Handover {
                 scenario,
                 parameters,
+                ..
             }) => {
                 files.scenario = shown(scenario);
                 files.parameters = shown(parameters);
             }
-            Some(Simulated::Scene { scene, engine, .. }) => {
-                files.scene = shown(scene);
-                // What is not said is MuJoCo's, as in files that were written before there was a choice.
-                files.engine = Some(engine).filter(|it| *it != SceneEngine::default());
-            }
+            Some(Simulated::Scene { scene, .. }) => files.scene = shown(scene),
             Some(Simulated::Command(_)) => {}
             None => {
                 return Err(Problem::new(
@@ -67,8 +68,8 @@ impl OpenBench {
         let of_files = || {
             let (scenario, scene) = (files.scenario.as_deref(), files.scene.as_deref());
             let parameters = files.parameters.as_deref().map(Path::new);
-            let scene = scene.map(|scene| (Path::new(scene), files.engine.unwrap_or_default()));
-            rigs::of_files(scenario.map(Path::new), parameters, scene)
+            let (scenario, scene) = (scenario.map(Path::new), scene.map(Path::new));
+            rigs::of_files(scenario, parameters, scene, files.engine.unwrap_or_default())
         };
         let simulated = simulated.or_else(of_files);
         let simulated = simulated.ok_or_else(|| {

@@ -19,7 +19,7 @@ use judging::Judges;
 use rayon::prelude::*;
 use rig::Rig;
 use stimulus::Stimulus;
-use study::{Entry, SceneEngine, Simulated, Work};
+use study::{Entry, PhysicsEngine, Simulated, Work};
 use temporal::monitor::Verdict;
 use testbench::{Recorded, SimError, Unwatched};
 use toml::Table;
@@ -132,7 +132,7 @@ impl Diagnosing<'_> {
             Err(problem) => {
                 let said = match problem.code {
                     "one-engine" => {
-                        "the handover's contacts are written for MuJoCo; scenes can be run in both"
+                        "it is an outside command, which has an engine of its own"
                     }
                     "no-physics-library" => "MuJoCo is not here (`corroborate doctor`)",
                     _ => return Err(problem),
@@ -150,8 +150,8 @@ impl Diagnosing<'_> {
         };
         let own = entry.work.simulated().and_then(Simulated::engine);
         let changed = match own.unwrap_or_default() {
-            SceneEngine::Mujoco => "Rapier in place of MuJoCo",
-            SceneEngine::Rapier => "MuJoCo in place of Rapier",
+            PhysicsEngine::Mujoco => "Rapier in place of MuJoCo",
+            PhysicsEngine::Rapier => "MuJoCo in place of Rapier",
         };
         let pairs = self.pairs(entry, episodes, changed, &run)?;
         let asset = SuspectAsset {

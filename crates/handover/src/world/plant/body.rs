@@ -1,4 +1,4 @@
-//! The physics of the whole model or of a part of it.
+//! The physics of the whole model or of a part of it, in MuJoCo.
 
 use testbench::geometry::{Pose, Quaternion, Vector, inverse, rotate};
 use testbench::{BodyId, Engine, EngineError, GeomId, Simulation};
@@ -6,12 +6,13 @@ use testbench::{BodyId, Engine, EngineError, GeomId, Simulation};
 use super::joints::DrivenJoint;
 use super::{Grip, ObjectState};
 use crate::model::{self, Part, PhysicalDraws};
+use crate::physics::Physics;
 use crate::scenario::{Parameters, Scenario};
 
 /// What every part of the model is written from.
 #[derive(Debug)]
 pub(super) struct Blueprint {
-    pub(super) engine: Engine,
+    pub(super) physics: Physics,
     pub(super) scenario: Scenario,
     pub(super) parameters: Parameters,
     pub(super) draws: PhysicalDraws,
@@ -41,15 +42,16 @@ pub(super) struct Body {
 impl Body {
     /// Builds a part of the model.
     pub(super) fn new(
+        engine: &Engine,
         blueprint: &Blueprint,
         joints: &[DrivenJoint],
         part: Part,
     ) -> Result<Self, EngineError> {
         let Blueprint {
-            engine,
             scenario,
             parameters,
             draws,
+            ..
         } = blueprint;
         let text = model::mjcf_of_part(scenario, parameters, draws, &part);
         let simulation = engine.compile(&text)?;

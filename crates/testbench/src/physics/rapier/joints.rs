@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use rapier3d_f64::prelude as r;
 
 use super::build::{Bodies, moves, refused, root_of};
-use super::{World, to_pose, to_vector};
+use super::{World, to_pose, to_softness, to_vector};
 use crate::bench::SimError;
 use crate::geometry::{norm, scale};
 use crate::physics::JointState;
@@ -338,6 +338,10 @@ fn link(
         }
         let limits = range.map(|end| end - plan.reference);
         joint.set_limits(axis_of(plan.kind), limits);
+    }
+    // Rapier's dry friction of a joint is as soft as its stops.
+    if let Some(stop) = &plan.stop {
+        joint.softness = to_softness(&stop.spring());
     }
     let handle = world.multibodies.insert(parent, child, joint, true);
     Ok(Link {

@@ -32,7 +32,7 @@ use self::build::{Bodies, Placed};
 use self::joints::Joints;
 use self::touching::Apart;
 use self::wrenches::Borne;
-use super::layout::{Layout, Motion};
+use super::layout::{Layout, Motion, Spring};
 use super::{DriveState, Hit, JointState, Nearest, Physics, PhysicsState, Touch, Twist};
 use crate::bench::SimError;
 use crate::geometry::{Pose, Vector};
@@ -179,15 +179,18 @@ fn parameters(layout: &Layout) -> r::IntegrationParameters {
         own.damping_ratio = solver.contact_damping_ratio.unwrap_or(own.damping_ratio);
         softness
     };
+    let fixed = solver.fixed_contact.map(|spring| to_softness(&spring));
     r::IntegrationParameters {
         dt: layout.time_step_secs,
         num_solver_iterations: solver.substeps,
         num_internal_pgs_iterations: match layout.couplings.iter().any(|it| it.carries) {
             true => CARRYING_ITERATIONS,
-            false => own.num_internal_pgs_iterations,
+            false => solver
+                .iterations
+                .unwrap_or(own.num_internal_pgs_iterations),
         },
         contact_softness: soften(own.contact_softness),
-        static_contact_softness: soften(own.static_contact_softness),
+        static_contact_softness: fixed.unwrap_or(soften(own.static_contact_softness)),
         // Swept collision and merged manifolds trade exactness of forces for speed.
         max_ccd_substeps: 0,
         contact_clustering: false,
@@ -198,6 +201,10 @@ fn parameters(layout: &Layout) -> r::IntegrationParameters {
         friction_model: r::FrictionModel::Simplified,
         ..own
     }
+}
+
+fn to_softness(spring: &Spring) -> r::SpringCoefficients<f64> {
+    r::SpringCoefficients::new(spring.frequency_hz, spring.damping_ratio)
 }
 
 fn to_vector(vector: Vector) -> r::Vector {

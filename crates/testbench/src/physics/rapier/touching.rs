@@ -82,6 +82,7 @@ fn groups_of(touches: Touches) -> r::InteractionGroups {
             let bit = 1 << group.min(30);
             (bit, ALL & !bit)
         }
+        Touches::Kinds { is, touches } => (ALL & is, ALL & touches),
         Touches::Nothing => (0, 0),
     };
     let group = r::Group::from_bits_truncate;

@@ -79,6 +79,7 @@ impl RapierKeys {
             substeps: self.substeps.unwrap_or(RapierSolver::default().substeps),
             contact_frequency_hz: self.contact_frequency_hz,
             contact_damping_ratio: self.contact_damping_ratio,
+            ..RapierSolver::default()
         }
     }
 

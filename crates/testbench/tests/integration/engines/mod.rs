@@ -116,6 +116,7 @@ pub fn joint(layout: &mut Layout, body: usize, kind: JointKind, axis: Vector) ->
         armature: 0.0,
         stiffness: 0.0,
         spring_reference: 0.0,
+        stop: None,
     });
     number
 }
