@@ -17,9 +17,7 @@ use testbench::geometry::{
     IDENTITY, Pose, Quaternion, Vector, about, compose, from_roll_pitch_yaw,
 };
 
-use crate::scenario::{
-    Body, Drive, InertiaSource, Joint, Object, Parameters, Scenario, Shape,
-};
+use crate::scenario::{Body, Drive, InertiaSource, Joint, Object, Parameters, Scenario, Shape};
 
 pub(crate) use layout::{carried, layout};
 pub(crate) use part::{Contacts, Part, hand_is_separable};

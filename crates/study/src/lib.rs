@@ -30,8 +30,8 @@ mod weighing;
 pub use finding::{BenchFiles, Expected, Finding, Shows, UnknownStep};
 pub use judging_form::{FormulaRule, JudgingForm, Rule, START_WITHIN_SECS, is_name};
 pub use ledger::{
-    Calibrated, Choice, CommandText, Entry, Keep, Method, OnFailure, Parts, RecordingFiles,
-    PhysicsEngine, Simulated, TableFiles, TreeEvent, UntilText, Work,
+    Calibrated, Choice, CommandText, Entry, Keep, Method, OnFailure, Parts, PhysicsEngine,
+    RecordingFiles, Simulated, TableFiles, TreeEvent, UntilText, Work,
 };
 pub use parameters::StudyParameters;
 pub use requirements::{

@@ -7,7 +7,7 @@ use host::files::read_source;
 use std::path::Path;
 use stimulus::{Settings, VariedStimulus};
 use study::placed::quoted;
-use study::{CommandText, Simulated, Study};
+use study::{CommandText, PhysicsEngine, Simulated, Study};
 use toml::Table;
 
 /// What is fitted.
@@ -130,7 +130,8 @@ fn simulated<'a>(
         return crate::rigs::simulated(entry);
     }
     let (scenario, parameters) = (text.scenario.as_deref(), text.parameters.as_deref());
-    crate::rigs::of_files(scenario, parameters, None).ok_or_else(|| {
+    let engine = PhysicsEngine::default();
+    crate::rigs::of_files(scenario, parameters, None, engine).ok_or_else(|| {
         Problem::new(CODE, "the file names nothing that is simulated").at(source, 0..0)
     })
 }

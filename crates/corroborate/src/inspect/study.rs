@@ -129,6 +129,7 @@ fn is_same(a: &Simulated<'_>, b: &Simulated<'_>) -> bool {
         Simulated::Handover {
             scenario,
             parameters,
+            ..
         } => Some([scenario.to_owned(), parameters.to_owned()]),
         Simulated::Scene { .. } | Simulated::Command(_) => None,
     };

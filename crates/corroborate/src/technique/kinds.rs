@@ -204,11 +204,13 @@ pub(crate) fn technique_of<'t>(
         Work::Simulate {
             scenario,
             parameters,
+            engine,
             episodes,
         } => Box::new(Episodes {
             of: Simulated::Handover {
                 scenario,
                 parameters,
+                engine: *engine,
             },
             count: *episodes,
         }),

@@ -61,7 +61,12 @@ pub(crate) fn layout(
     };
     supports(&mut layout, scenario);
     let mut places = BTreeMap::new();
-    links(&mut layout, (scenario, parameters, draws), "world", &mut places);
+    links(
+        &mut layout,
+        (scenario, parameters, draws),
+        "world",
+        &mut places,
+    );
     object(&mut layout, scenario, parameters, draws);
     layout
 }
@@ -289,6 +294,12 @@ fn object(
     for (name, centre_m, radius_m) in rests {
         let form = Form::Sphere { radius_m };
         let friction = scenario.object.pedestal_friction;
-        add(format!("object_{name}"), centre_m, form, friction, OBJECT_REST);
+        add(
+            format!("object_{name}"),
+            centre_m,
+            form,
+            friction,
+            OBJECT_REST,
+        );
     }
 }

@@ -13,8 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use stimulus::{Settings, Stimulus};
 use testbench::{
-    Bench, Cancel, Drawn, Recorded, Savable, ScenarioError, SimError, Status, Unwatched,
-    Watch,
+    Bench, Cancel, Drawn, Recorded, Savable, ScenarioError, SimError, Status, Unwatched, Watch,
 };
 use toml::Table;
 use trace::Trace;

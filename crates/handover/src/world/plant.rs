@@ -34,8 +34,8 @@ use apart::Apart;
 use body::{Blueprint, Body, Configuration};
 use glide::Glide;
 use joints::{DrivenJoint, driven_joints};
-use testbench::geometry::{Pose, Vector};
 use testbench::SimError;
+use testbench::geometry::{Pose, Vector};
 use whole::Whole;
 
 pub(crate) use joints::arm_joint_names;

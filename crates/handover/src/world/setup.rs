@@ -41,7 +41,13 @@ impl World {
         let world = Self::unchecked(&physics, scenario.clone(), parameters.clone())?;
         // A model that cannot be built is found here rather than in the first episode.
         let draws = world.physical_draws(0);
-        Plant::new(&physics, scenario, parameters, &draws, world.setup().contacts)?;
+        Plant::new(
+            &physics,
+            scenario,
+            parameters,
+            &draws,
+            world.setup().contacts,
+        )?;
         Ok(world)
     }
 

@@ -1,7 +1,7 @@
 //! Reads `ledger.toml` and holds it against the rest of the study.
 
 use super::{
-    Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, PhysicsEngine, UntilText,
+    Calibrated, Entry, Independent, Keep, Method, OnFailure, PhysicsEngine, Published, UntilText,
     Work,
 };
 use crate::{About, Forms, Texts};

@@ -1,7 +1,7 @@
 //! What an entry of the ledger does, out of the keys that say so; keys that belong to other work are refused.
 
 use super::read::{EntryText, Reader, TablesText};
-use super::{CommandText, Method, Sampling, PhysicsEngine, TreeEvent, Work};
+use super::{CommandText, Method, PhysicsEngine, Sampling, TreeEvent, Work};
 use crate::placed::toml_place;
 use diagnostic::{Problem, Problems};
 use evidence::Subject;
@@ -156,7 +156,10 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 28] {
 
 /// The physics engine that an entry names; MuJoCo, if it names none.
 fn engine_of(text: &EntryText) -> PhysicsEngine {
-    text.engine.as_ref().map(|it| *it.get_ref()).unwrap_or_default()
+    text.engine
+        .as_ref()
+        .map(|it| *it.get_ref())
+        .unwrap_or_default()
 }
 
 impl Reader<'_> {

@@ -69,7 +69,12 @@ impl OpenBench {
             let (scenario, scene) = (files.scenario.as_deref(), files.scene.as_deref());
             let parameters = files.parameters.as_deref().map(Path::new);
             let (scenario, scene) = (scenario.map(Path::new), scene.map(Path::new));
-            rigs::of_files(scenario, parameters, scene, files.engine.unwrap_or_default())
+            rigs::of_files(
+                scenario,
+                parameters,
+                scene,
+                files.engine.unwrap_or_default(),
+            )
         };
         let simulated = simulated.or_else(of_files);
         let simulated = simulated.ok_or_else(|| {

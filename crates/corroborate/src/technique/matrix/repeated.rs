@@ -131,9 +131,7 @@ impl Diagnosing<'_> {
             Ok(second) => second,
             Err(problem) => {
                 let said = match problem.code {
-                    "one-engine" => {
-                        "it is an outside command, which has an engine of its own"
-                    }
+                    "one-engine" => "it is an outside command, which has an engine of its own",
                     "no-physics-library" => "MuJoCo is not here (`corroborate doctor`)",
                     _ => return Err(problem),
                 };

@@ -83,8 +83,7 @@ impl RapierBody {
 
     fn set_controls(&mut self, joints: &[DrivenJoint]) {
         for (drive, joint) in joints.iter().enumerate() {
-            self.physics
-                .set_drive(drive, joint.setpoint.position_rad());
+            self.physics.set_drive(drive, joint.setpoint.position_rad());
         }
     }
 

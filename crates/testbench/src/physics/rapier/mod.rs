@@ -185,9 +185,7 @@ fn parameters(layout: &Layout) -> r::IntegrationParameters {
         num_solver_iterations: solver.substeps,
         num_internal_pgs_iterations: match layout.couplings.iter().any(|it| it.carries) {
             true => CARRYING_ITERATIONS,
-            false => solver
-                .iterations
-                .unwrap_or(own.num_internal_pgs_iterations),
+            false => solver.iterations.unwrap_or(own.num_internal_pgs_iterations),
         },
         contact_softness: soften(own.contact_softness),
         static_contact_softness: fixed.unwrap_or(soften(own.static_contact_softness)),
