@@ -24,13 +24,13 @@ use study::{Entry, Study};
 pub struct EnginesRequest {
     /// The study's folder.
     pub study: PathBuf,
-    /// The ledger's entry whose scene is simulated.
+    /// The ledger's entry whose scene or scenario is simulated.
     pub evidence: String,
     /// How many episodes.
     pub episodes: u64,
     /// The seed; by default the study's.
     pub seed: Option<u64>,
-    /// Compares the hashes of repeated and of continued episodes instead. An entry that is no scene can be asked for this, and be
+    /// Compares the hashes of repeated and of continued episodes instead. A command can be asked for this, and be
     /// run against another.
     pub determinism: bool,
     /// Another entry of the ledger, of any simulator, in place of the second engine.
@@ -110,7 +110,7 @@ fn in_engines(
     if !is_simulation {
         let message = format!("`{}` is not simulated by this test bench", entry.id);
         return Err(Problem::new("not-a-simulation", message).remedy(
-            "name an entry of the ledger with a scene, or a second entry to run it against (`--against`)",
+            "name an entry of the ledger with a scene or a scenario, or a second entry to run it against (`--against`)",
         ));
     }
     let second = match rigs::in_other_engine(study, entry, host) {

@@ -10,11 +10,12 @@ use std::path::PathBuf;
 Examples:
   corroborate engines case-studies/corridor S1
   corroborate engines case-studies/corridor S1 -n 50 --format json
+  corroborate engines case-studies/handover E4 -n 20
   corroborate engines case-studies/corridor S1 -n 2 --determinism
   corroborate engines case-studies/four-physics S1 --against P1
   corroborate engines my-study S1 --tolerance /truth/arm.x=0.005
 
-Runs the same episodes (test, seeds, controllers) of a scene in the engine that
+Runs the same episodes (test, seeds, controllers) of a scene or of the handover in the engine that
 its entry says and in the other one, MuJoCo and Rapier, and prints what matters first: verdicts that differ, then truth values
 and names that differ (equal or not, by name), then numbers, those that lie
 furthest apart first: the largest difference as a multiple of the signal's
@@ -25,12 +26,12 @@ verdict on an episode differs. With --against another
 entry takes the place of the other engine, whatever its simulator is, with the seeds of
 the first; signals of the same name are compared. With --determinism each
 episode is run again, and saved in its middle and continued, and the hashes of
-all its recordings are compared; exits 1 if two differ. An entry that is not
-a scene (the handover) is run in MuJoCo alone, with --determinism.")]
+all its recordings are compared; exits 1 if two differ. A command is run in
+its own engine alone, with --determinism or --against.")]
 pub struct Engines {
     /// The study's folder.
     pub study: PathBuf,
-    /// The ledger's entry whose scene is simulated.
+    /// The ledger's entry whose scene or scenario is simulated.
     pub evidence: String,
     /// How many episodes.
     #[arg(long, short = 'n', value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=100_000))]

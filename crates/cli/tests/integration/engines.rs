@@ -8,7 +8,7 @@ use crate::support;
 use serde_json::Value;
 use support::copy_study;
 use support::program::{Said, command, said};
-use support::simulation::{driven, handover, library, simulating};
+use support::simulation::{driven, handover, keep_only, library, simulating};
 
 /// The corridor's study in a folder of its own, with physics in longer steps and episodes of at most so many seconds:
 /// the second engine is built without optimisation for tests.
@@ -168,19 +168,84 @@ actions = []
 "#;
 
 #[test]
-fn the_handover_is_refused_with_what_it_would_need() {
+fn the_handover_is_run_in_both_engines_and_compared() {
     let Some(library) = library() else { return };
     let folder = tempfile::TempDir::new().expect("a folder");
     copy_study(&handover(), folder.path());
-    for arguments in [
-        &["engines", ".", "E4", "-n", "1"][..],
-        &[
-            "simulate", ".", "E4", "--engine", "rapier", "-n", "1", "--out", "out",
-        ],
+    let arguments = ["engines", ".", "E4", "-n", "1", "--format", "json"];
+    let said = simulating(&library, folder.path(), &arguments);
+    assert!([0, 1].contains(&said.code), "{said:?}");
+    let found = json(&said);
+    let engines = found["engines"].to_string();
+    assert!(
+        engines.contains("MuJoCo") && engines.contains("Rapier"),
+        "{found}"
+    );
+    let signals = found["signals"].as_array().expect("signals");
+    let typical = |name: &str| {
+        let of = signals.iter().find(|signal| signal["signal"] == name);
+        let typical = of.and_then(|signal| signal["typical"].as_f64());
+        typical.unwrap_or_else(|| panic!("no {name}: {found}"))
+    };
+    // What the seed draws and physics has no part in is the same; the arm is where its drives take it, to millimetres.
+    assert_eq!(typical("/truth/human_head.x"), 0.0, "{found}");
+    let arm_m_s = typical("/robot.hand_speed");
+    assert!(arm_m_s > 0.0 && arm_m_s < 0.01, "{arm_m_s}");
+}
+
+/// An entry of the handover that names Rapier needs no library, is evidence of that engine, and is stale once it names another.
+#[test]
+fn an_entry_of_the_handover_is_evidence_of_the_engine_that_it_names() {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    copy_study(&handover(), folder.path());
+    keep_only(folder.path(), &["E4"]);
+    let ledger = folder.path().join("ledger.toml");
+    let text = support::read(&ledger);
+    let (of_mujoco, episodes) = ("episodes = 1", "episodes = 500");
+    assert!(text.contains(episodes), "{text}");
+    let of_mujoco = text.replace(episodes, of_mujoco);
+    let of_rapier = text.replace(episodes, "episodes = 1\nengine = \"rapier\"");
+    std::fs::write(&ledger, &of_rapier).expect("written");
+    let without_library =
+        |arguments: &[&str]| said(command(folder.path(), arguments).env("CORROBORATE_MUJOCO", ""));
+    let ran = without_library(&["run", ".", "--quiet"]);
+    assert!([0, 3].contains(&ran.code), "{ran:?}");
+    let evidence = support::read(&folder.path().join("results/evidence/E4.json"));
+    assert!(
+        evidence.contains("Rapier") && !evidence.contains("MuJoCo"),
+        "{evidence}"
+    );
+    let plan = without_library(&["plan", "."]);
+    assert!(plan.out.contains("would produce nothing"), "{plan:?}");
+    std::fs::write(&ledger, &of_mujoco).expect("written");
+    let plan = without_library(&["plan", "."]);
+    assert!(plan.out.contains("stale"), "{plan:?}");
+    // Without the library MuJoCo is missing, and Rapier can be asked for.
+    let missing = without_library(&["simulate", ".", "E4", "-n", "1", "--out", "out"]);
+    assert!(missing.talk.contains("no-physics-library"), "{missing:?}");
+    let arguments = [
+        "simulate", ".", "E4", "--engine", "rapier", "-n", "1", "--out", "out",
+    ];
+    let simulated = without_library(&arguments);
+    assert!(simulated.out.contains("Rapier"), "{simulated:?}");
+}
+
+/// A command has an engine of its own.
+#[test]
+fn a_command_is_refused_in_another_engine_with_what_can_be_named() {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    for (name, text) in [
+        ("study.toml", FALLING_STUDY),
+        ("requirements.toml", FALLING_REQUIREMENTS),
+        ("vocabulary.toml", FALLING_VOCABULARY),
     ] {
-        let said = simulating(&library, folder.path(), arguments);
-        assert_eq!(said.code, 2, "{said:?}");
-        assert!(said.talk.contains("written for MuJoCo"), "{said:?}");
-        assert_eq!(said.out, "", "{said:?}");
+        std::fs::write(folder.path().join(name), text).expect("written");
     }
+    let ledger = "[[evidence]]\nid = \"S1\"\ntitle = \"s\"\ntechnique = \"simulation\"\nconditions = \"usual\"\n\
+        command = [\"true\"]\nepisodes = 1\nchanged = \"c\"\n";
+    std::fs::write(folder.path().join("ledger.toml"), ledger).expect("written");
+    let arguments = ["simulate", ".", "S1", "--engine", "rapier", "--out", "out"];
+    let refused = said(command(folder.path(), &arguments).env("CORROBORATE_MUJOCO", ""));
+    assert_eq!(refused.code, 2, "{refused:?}");
+    assert!(refused.talk.contains("one-engine"), "{refused:?}");
 }

@@ -20,6 +20,9 @@ mod seen;
 mod swing;
 mod tree;
 mod whole;
+
+#[cfg(test)]
+mod tests;
 mod yielding;
 
 use std::sync::Arc;
@@ -47,6 +50,16 @@ pub(crate) struct Grip {
     pub(crate) contacts: usize,
     /// Sum of their normal forces.
     pub(crate) normal_newtons: f64,
+}
+
+/// A contact between hand and object.
+#[cfg(test)]
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct GripContact {
+    pub(crate) normal_newtons: f64,
+    pub(crate) friction_newtons: f64,
+    /// Unit vector along which it pushes the object, in the world.
+    pub(crate) pushes: Vector,
 }
 
 /// Position, velocity and spin of the object.
@@ -355,6 +368,12 @@ impl Plant {
             Regime::Whole => self.whole.grip(),
             Regime::Apart(_) => Grip::default(),
         }
+    }
+
+    /// The contacts of the grip.
+    #[cfg(test)]
+    pub(crate) fn grip_contacts(&self) -> Vec<GripContact> {
+        self.whole.grip_contacts()
     }
 
     /// Appends what the whole model was given for its last step.

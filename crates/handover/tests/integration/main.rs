@@ -8,4 +8,5 @@ mod episodes;
 mod fast;
 mod model;
 mod scenario;
+mod second_engine;
 mod viewer;

@@ -3,12 +3,14 @@
 
 use crate::engines;
 
+use std::f64::consts::PI;
+
 use engines::*;
 use testbench::SimError;
 use testbench::geometry::{Vector, about, norm, subtract};
 use testbench::physics::{
     BodyPlan, CouplingPlan, DriveKind, DrivePlan, Form, JointKind, Layout, Motion, Physics,
-    RapierPhysics, Touches,
+    RapierPhysics, Softness, Spring, Touches,
 };
 
 /// Adds a body that hangs on another.
@@ -356,6 +358,111 @@ fn who_touches_whom_is_the_same_in_both_engines() {
             .collect();
         pairs.sort_unstable();
         assert_eq!(pairs, [[0, 1], [0, 2], [1, 4], [2, 4]], "{name}");
+    });
+}
+
+#[test]
+fn kinds_touch_those_that_they_name_and_no_others_in_both_engines() {
+    on_each(|name, build| {
+        let mut layout = empty(0.002, 0.0);
+        // A finger, two parts of an object at the same place, and what the object stands on.
+        for (index, (is, touches)) in [(1, 2), (2, 1), (4, 8), (8, 4), (1, 2)]
+            .into_iter()
+            .enumerate()
+        {
+            ball(
+                &mut layout,
+                &format!("ball {index}"),
+                [0.02 * index as f64, 0.0, 0.0],
+                1.0,
+                0.1,
+            );
+            layout.shapes[index].touches = Touches::Kinds { is, touches };
+        }
+        let mut physics = build(&layout);
+        physics.step();
+        let mut touches = Vec::new();
+        physics.touches(&mut touches);
+        let mut pairs: Vec<[usize; 2]> = touches
+            .iter()
+            .map(|t| [t.shapes[0].min(t.shapes[1]), t.shapes[0].max(t.shapes[1])])
+            .collect();
+        pairs.sort_unstable();
+        assert_eq!(pairs, [[0, 1], [1, 4], [2, 3]], "{name}");
+    });
+}
+
+/// A softness, and the spring that stands for it in an engine that has springs.
+fn soft() -> (Softness, Spring) {
+    let softness = Softness {
+        time_constant_secs: 0.02,
+        damping_ratio: 1.0,
+        impedance: None,
+    };
+    (softness, softness.spring())
+}
+
+#[test]
+fn what_lies_on_a_soft_floor_sinks_in_as_far_in_both_engines() {
+    let (softness, spring) = soft();
+    // By hand: a spring of m (2 pi f)^2 under m g. MuJoCo's is stiffer where it is pressed more: `spring` is right within 1.6.
+    let expected_m = GRAVITY / (2.0 * PI * spring.frequency_hz).powi(2);
+    assert!((1e-4..1e-2).contains(&expected_m), "{expected_m} m");
+    on_each(|name, build| {
+        let mut layout = empty(0.002, GRAVITY);
+        layout.solver.rapier.fixed_contact = Some(spring);
+        let floor = shape(&mut layout, None, at([0.0; 3]), Form::Ground, 0.0);
+        if name == "MuJoCo" {
+            layout.shapes[floor].surface.softness = Some(softness);
+        }
+        let stone = ball(&mut layout, "stone", [0.0, 0.0, 0.1], 2.0, 0.1);
+        let mut physics = build(&layout);
+        run(physics.as_mut(), 2.0);
+        let sunk_m = 0.1 - physics.body_pose(stone).position_m[2];
+        let ratio = sunk_m / expected_m;
+        let within = if name == "Rapier" { 1.01 } else { 1.6 };
+        assert!(
+            (1.0 / within..within).contains(&ratio),
+            "{name}: {sunk_m} m, {expected_m} m"
+        );
+    });
+}
+
+#[test]
+fn a_soft_stop_gives_way_as_far_and_dry_friction_bears_what_it_is_said_to_in_both_engines() {
+    let (softness, spring) = soft();
+    let expected_m = GRAVITY / (2.0 * PI * spring.frequency_hz).powi(2);
+    on_each(|name, build| {
+        // A block on a vertical slide with a stop below it.
+        let mut layout = empty(0.002, GRAVITY);
+        let block = body(
+            &mut layout,
+            "block",
+            at([0.0; 3]),
+            Motion::Jointed,
+            inertia(2.0, [0.01; 3]),
+        );
+        let slide = joint(&mut layout, block, JointKind::Slide, [0.0, 0.0, 1.0]);
+        layout.joints[slide].range = Some([0.0, 1.0]);
+        layout.joints[slide].stop = Some(softness);
+        let mut physics = build(&layout);
+        run(physics.as_mut(), 2.0);
+        let ratio = -physics.joint(slide).position / expected_m;
+        let within = if name == "Rapier" { 1.05 } else { 1.6 };
+        assert!((1.0 / within..within).contains(&ratio), "{name}: {ratio}");
+        // Without the stop, and with dry friction: more than the weight holds it, but for a creep; less lets it fall with the rest.
+        layout.joints[slide].range = None;
+        let weight = 2.0 * GRAVITY;
+        for (friction, acceleration) in [(1.5 * weight, 0.0), (0.25 * weight, 0.75 * GRAVITY)] {
+            layout.joints[slide].friction_loss = friction;
+            let mut physics = build(&layout);
+            run(physics.as_mut(), 0.5);
+            let fallen = -physics.joint(slide).velocity / 0.5;
+            assert!(
+                (fallen - acceleration).abs() < 0.05 * GRAVITY,
+                "{name}: {fallen} m/s2, {acceleration} m/s2"
+            );
+        }
     });
 }
 

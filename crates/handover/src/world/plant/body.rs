@@ -219,6 +219,26 @@ impl Body {
         grip
     }
 
+    /// The contacts of the grip.
+    #[cfg(test)]
+    pub(super) fn grip_contacts(&self) -> Vec<super::GripContact> {
+        let contacts = self.simulation.contacts();
+        let of_object = contacts.filter_map(|contact| {
+            let [a, b] = contact.geoms;
+            let sign = match self.object_geom {
+                Some(object) if a == object && self.skin.contains(&b) => -1.0,
+                Some(object) if b == object && self.skin.contains(&a) => 1.0,
+                _ => return None,
+            };
+            Some(super::GripContact {
+                normal_newtons: contact.normal_newtons,
+                friction_newtons: contact.tangential_newtons,
+                pushes: contact.normal.map(|along| sign * along),
+            })
+        });
+        of_object.collect()
+    }
+
     /// Appends what the last step was given: setpoints, then force and torque on the object.
     pub(super) fn inputs(&self, inputs: &mut Vec<f64>) {
         inputs.extend(self.simulation.controls());

@@ -142,6 +142,25 @@ impl RapierBody {
         grip
     }
 
+    /// The contacts of the grip.
+    #[cfg(test)]
+    pub(super) fn grip_contacts(&self) -> Vec<super::GripContact> {
+        let of_object = self.touches.iter().filter_map(|touch| {
+            let [a, b] = touch.shapes;
+            let sign = match () {
+                () if a == self.grip && self.is_skin[b] => -1.0,
+                () if b == self.grip && self.is_skin[a] => 1.0,
+                () => return None,
+            };
+            Some(super::GripContact {
+                normal_newtons: touch.normal_newtons,
+                friction_newtons: touch.tangential_newtons,
+                pushes: touch.normal.map(|along| sign * along),
+            })
+        });
+        of_object.collect()
+    }
+
     /// Appends what the last step was given: setpoints, then force and torque on the object.
     pub(super) fn inputs(&self, inputs: &mut Vec<f64>) {
         let drives = 0..self.layout.drives.len();

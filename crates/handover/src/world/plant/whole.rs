@@ -94,6 +94,12 @@ impl Whole {
         of_engine!(self, body => body.grip())
     }
 
+    /// The contacts of the grip.
+    #[cfg(test)]
+    pub(super) fn grip_contacts(&self) -> Vec<super::GripContact> {
+        of_engine!(self, body => body.grip_contacts())
+    }
+
     /// Appends what the last step was given: setpoints, then force and torque on the object.
     pub(super) fn inputs(&self, inputs: &mut Vec<f64>) {
         of_engine!(self, body => body.inputs(inputs));

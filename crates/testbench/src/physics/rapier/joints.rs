@@ -4,15 +4,16 @@
 //! [`BETWEEN`] of its mass, since Rapier inverts each body's inertia.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 use rapier3d_f64::prelude as r;
 
 use super::build::{Bodies, moves, refused, root_of};
-use super::{World, to_pose, to_softness, to_vector};
+use super::{World, to_pose, to_vector};
 use crate::bench::SimError;
 use crate::geometry::{norm, scale};
 use crate::physics::JointState;
-use crate::physics::layout::{DriveKind, JointKind, JointPlan, Layout};
+use crate::physics::layout::{DriveKind, JointKind, JointPlan, Layout, Spring};
 
 /// The part of a body's mass that each body between its joints has besides.
 const BETWEEN: f64 = 1e-9;
@@ -75,7 +76,8 @@ impl Joints {
                     false => placed.of[body].handle,
                     true => between(placed.of[body].handle, world),
                 };
-                let mut made = link(&layout.joints[*joint], handle, offset, child, world)?;
+                let ends = (handle, offset, child);
+                let mut made = link(layout, &layout.joints[*joint], ends, world)?;
                 made.is_between = is_between;
                 links[*joint] = Some(made);
                 (handle, offset) = (child, r::Pose::IDENTITY);
@@ -317,12 +319,12 @@ fn between(body: r::RigidBodyHandle, world: &mut World) -> r::RigidBodyHandle {
 
 /// Adds one joint between two rigid bodies.
 fn link(
+    layout: &Layout,
     plan: &JointPlan,
-    parent: r::RigidBodyHandle,
-    in_parent: r::Pose,
-    child: r::RigidBodyHandle,
+    (parent, in_parent, child): (r::RigidBodyHandle, r::Pose, r::RigidBodyHandle),
     world: &mut World,
 ) -> Result<Link, SimError> {
+    let substep_secs = layout.time_step_secs / layout.solver.rapier.substeps as f64;
     let locked = match plan.kind {
         JointKind::Hinge => r::JointAxesMask::LOCKED_REVOLUTE_AXES,
         JointKind::Slide => r::JointAxesMask::LOCKED_PRISMATIC_AXES,
@@ -341,7 +343,7 @@ fn link(
     }
     // Rapier's dry friction of a joint is as soft as its stops.
     if let Some(stop) = &plan.stop {
-        joint.softness = to_softness(&stop.spring());
+        joint.softness = stop_softness(&stop.spring(), substep_secs);
     }
     let handle = world.multibodies.insert(parent, child, joint, true);
     Ok(Link {
@@ -352,6 +354,23 @@ fn link(
         reference: plan.reference,
         is_between: false,
     })
+}
+
+/// What Rapier is told, so that a stop gives way as this spring does.
+///
+/// Rapier solves a stop once with its spring and, after positions have moved, once without its push back, but both times with its
+/// compliance `c = 1 / (h w (h w + 2 z))` (`h` the substep, `w` the natural angular frequency, `z` the damping ratio). So a part of
+/// the impulse is lost: at rest under an acceleration `a` a stop is passed by `(1 + c) a / w^2` in place of `a / w^2`. With
+/// `w sqrt(1 + c)` in place of `w`, and a damping ratio that leaves `c` as it is, it is passed by `a / w^2`, as fast as it was to be;
+/// dry friction, of which nothing is lost, depends on `c` alone.
+fn stop_softness(spring: &Spring, substep_secs: f64) -> r::SpringCoefficients<f64> {
+    let turns = substep_secs * 2.0 * PI * spring.frequency_hz;
+    let sum = turns + 2.0 * spring.damping_ratio;
+    let stiffer = (1.0 + 1.0 / (turns * sum)).sqrt();
+    r::SpringCoefficients::new(
+        stiffer * spring.frequency_hz,
+        ((sum / stiffer - turns * stiffer) / 2.0).max(0.0),
+    )
 }
 
 /// The shortest turn that takes x to the joint's axis.
