@@ -121,7 +121,7 @@ pub enum Command {
     Shrink(Shrink),
     /// Run an episode again: recording, verdicts, 3D page; or all regressions.
     Replay(Replay),
-    /// Run a scene in both physics engines, and say how far they differ.
+    /// Run a scene or the handover in both physics engines, and say how far they differ.
     Engines(Engines),
     /// Estimate how rare an event is, by splitting.
     Rare(Rare),

@@ -45,9 +45,19 @@
 //! times real time on one core, for 88 and 103. The fast physics ran at 2.6 and 1.6 of it, 226 and 168 times real time.
 //! `examples/campaign.rs` prints the wall-clock ratio (`CAMPAIGN_FAST=1` for the fast physics).
 //!
+//! # Two engines
+//!
+//! The full physics is MuJoCo's or Rapier's ([`Physics`]): the same robot, person, seeds, steps and recording, so that what two
+//! engines agree on does not rest on one's approximations. Links, joints, drives, masses, shapes and who touches whom are the
+//! same; a test holds the two descriptions against each other. Springs and dampers stand for MuJoCo's soft contacts, stops and dry
+//! friction, and give way to slow forces as these do ([`testbench::physics::Softness::spring`]), not to blows. Friction of contacts is
+//! hard in Rapier, and MuJoCo's settings of its solver are not used there. Hand and object are read as they were before the last
+//! step in both. In either engine an object falls freely, slides on the pedestal with what exceeds its friction, is gripped by forces within
+//! their cones that carry its weight, and hangs by its weight on the human's hand (tested against physics by hand).
+//!
 //! # Fast physics
 //!
-//! [`HandoverBench::in_fast_physics`] (or `fast = true` in the scenario's `[simulation]`) lets less
+//! MuJoCo alone has it. [`HandoverBench::in_fast_physics`] (or `fast = true` in the scenario's `[simulation]`) lets less
 //! than the full physics stand in for it where less will do. It is approximate and for searching: what is found in it is
 //! to be shown by the full physics, which is integrated otherwise and is the reference. Which of the two a bench runs is
 //! no setting of a stimulus.

@@ -10,8 +10,8 @@ use support::copy_study;
 use support::program::{Said, command, said};
 use support::simulation::{driven, handover, keep_only, library, simulating};
 
-/// The corridor's study in a folder of its own, with physics in longer steps and episodes of at most so many seconds:
-/// the second engine is built without optimisation for tests.
+/// The corridor's study in a folder of its own, with physics in longer steps and episodes of at most so many seconds,
+/// for what tests wait.
 fn corridor(longest_secs: f64) -> tempfile::TempDir {
     let folder = tempfile::TempDir::new().expect("a folder");
     copy_study(

@@ -360,7 +360,7 @@ fn a_program_that_fails_is_counted_where_runs_are_split_and_engines_compared() {
     let folder = corridor("raise ValueError(\"no way to stop\")");
     let scene = folder.path().join("simulation/scene.toml");
     let mut text = std::fs::read_to_string(&scene).expect("a scene");
-    // The second engine is built without optimisation for tests.
+    // For what the test waits.
     for (old, new) in [
         ("time_step_secs = 0.002", "time_step_secs = 0.005"),
         ("duration_secs = 40", "duration_secs = 14"),
