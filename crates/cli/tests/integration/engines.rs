@@ -223,9 +223,8 @@ fn an_entry_of_the_handover_is_evidence_of_the_engine_that_it_names() {
     assert!(plan.out.contains("need the MuJoCo library"), "{plan:?}");
     let missing = without_library(&["simulate", ".", "E4", "-n", "1", "--out", "out"]);
     assert!(missing.talk.contains("no-physics-library"), "{missing:?}");
-    let arguments = [
-        "simulate", ".", "E4", "--engine", "rapier", "-n", "1", "--out", "out",
-    ];
+    let arguments = "simulate . E4 --engine rapier -n 1 --out out --format json";
+    let arguments: Vec<&str> = arguments.split(' ').collect();
     let simulated = without_library(&arguments);
     assert!(simulated.out.contains("Rapier"), "{simulated:?}");
 }
