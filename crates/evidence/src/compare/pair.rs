@@ -5,6 +5,8 @@
 //! it, of a size fixed in advance (else [`super::past`]); where runs have no verdict, each may be either, and the greatest
 //! p-value counts. A distribution is the posterior of constants by Jeffreys' prior.
 
+mod values;
+
 use super::Belief;
 use super::by_likelihood::{self, Claim};
 use super::ends::{self, End, PlannedSide};
@@ -18,6 +20,7 @@ use stats::{
 };
 use std::cell::OnceCell;
 use std::rc::Rc;
+use values::{decided, greatest, nearest};
 
 /// The part of the level at which plans test equivalence of counts.
 const PLANNED: f64 = 0.9;
@@ -614,32 +617,6 @@ impl Pair {
             None => self.probability_within() >= level.level(),
         }
     }
-}
-
-/// The values of two intervals that are nearest to each other.
-fn nearest(first: Interval, second: Interval) -> (f64, f64) {
-    let at = |of: &Interval, other: f64| of.low.max(other.min(of.high));
-    if first.low >= first.high {
-        return (first.low, at(&second, first.low));
-    }
-    let nearest = at(&second, at(&first, second.low));
-    (at(&first, nearest), nearest)
-}
-
-/// The values of a side without its runs that reached no verdict.
-fn decided(belief: &Belief) -> Interval {
-    match belief.has_undecided() {
-        true => Interval {
-            low: belief.estimate(),
-            high: belief.estimate(),
-        },
-        false => belief.values(),
-    }
-}
-
-/// The greatest of p-values, `None` of these where one has none; `None` where there are none at all.
-fn greatest(all: impl Iterator<Item = Option<f64>>) -> Option<Option<f64>> {
-    all.reduce(|one, other| Some(one?.max(other?)))
 }
 
 /// Whether every value between the ends of a side is one that its model allows.
