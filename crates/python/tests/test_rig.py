@@ -2,6 +2,7 @@
 
 import pathlib
 import shutil
+import subprocess
 import sys
 
 import pytest
@@ -71,6 +72,32 @@ def test_a_study_runs_it(tmp_path):
     # Again from nothing: the same bytes.
     again = Study(folder, out=tmp_path / "again").produce("S1")[0]
     assert again.data["findings"] == found.data["findings"]
+
+
+def test_it_is_explored_shrunk_and_calibrated(tmp_path):
+    folder = tmp_path / "study"
+    shutil.copytree(TEMPLATE, folder)
+    program = f'command = ["{sys.executable}", "cart.py"]\npersistent = true'
+    ledger = (folder / "ledger.toml").read_text()
+    ledger = ledger.replace('command = ["python3", "simulate.py", "{stimulus}", "{seed}", "{recording}"]', program)
+    (folder / "ledger.toml").write_text(ledger.replace("episodes = 60", "episodes = 12"))
+    (folder / "cart.py").write_text(CART)
+    (folder / "topics.toml").unlink()
+    parameter = '[[parameter]]\nname = "braking"\nsets = ["cart.braking_cm_per_s2"]\nuniform = [20.0, 120.0]\n'
+    (folder / "exploration.toml").write_text(f'evidence = "S1"\n[budget]\nepisodes = 20\nbatch = 10\n{parameter}')
+    fit = 'simulator = "S1"\ntest = "straight on"\nevidence = "T1"\nfit = ["clear"]\nrounds = 2\nepisodes_per_round = 8\ncheck_episodes = 4\n'
+    (folder / "calibration.toml").write_text(f'name = "fitted"\n{fit}{parameter}')
+
+    def command(*arguments):
+        done = subprocess.run([sys.executable, "-m", "corroborate", *arguments], capture_output=True, text=True, cwd=folder)
+        assert done.returncode in (0, 1, 3), done.stderr
+        return done.stdout
+
+    command("explore", ".", "exploration.toml")
+    findings = folder / "results/exploration/findings"
+    assert "requirement" in command("shrink", ".", str(findings / "violated-clear.toml"))
+    command("calibrate", ".", "calibration.toml", "--to", "fitted.toml")
+    assert "cart.py" in (folder / "fitted.toml").read_text()
 
 
 def test_an_episode_is_its_seed(tmp_path):
