@@ -33,9 +33,13 @@ pub(crate) fn growth(people: u64) -> Option<f64> {
     (people < MOST_PEOPLE).then(|| (MOST_PEOPLE as f64 / people.max(1) as f64).min(2.0))
 }
 
-/// The share of draws that show something, as a chance: so many draws do not tell a chance of 99 % from certainty.
-pub(crate) fn chance(shown: u64) -> f64 {
-    (shown as f64 / DRAWS as f64).min(1.0 - 0.5 / DRAWS as f64)
+/// The chances of two things of which draws show at most one, after so many that show each: so many draws do not tell a chance of 99 % from
+/// certainty.
+pub(crate) fn shares(shown: [u64; 2]) -> (f64, f64) {
+    let both = shown[0] + shown[1];
+    let chance = (both as f64 / DRAWS as f64).min(1.0 - 0.5 / DRAWS as f64);
+    let share = |count: u64| chance * count as f64 / both.max(1) as f64;
+    (share(shown[0]), share(shown[1]))
 }
 
 /// Means and correlations of the grid.
@@ -196,7 +200,7 @@ mod tests {
 
     #[test]
     fn forty_draws_show_no_certainty() {
-        assert!(chance(DRAWS) < 0.99);
-        assert!((chance(20) - 0.5).abs() < 1e-12);
+        assert!(shares([DRAWS, 0]).0 < 0.99);
+        assert!((shares([20, 0]).0 - 0.5).abs() < 1e-12);
     }
 }

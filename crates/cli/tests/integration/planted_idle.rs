@@ -129,12 +129,7 @@ fn a_number_of_a_failure_that_a_comparison_tells_is_solved_for() {
         "mode,occurrences,opportunities\nmissed,400,1000\n",
     );
     folder.run();
-    let offered = folder.json("refine");
-    let proposals = offered["proposals"].as_array().expect("proposals");
-    let titles: Vec<&str> = proposals
-        .iter()
-        .filter_map(|it| it["title"].as_str())
-        .collect();
+    let titles = folder.titles();
     assert!(
         titles
             .first()

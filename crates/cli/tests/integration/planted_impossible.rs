@@ -158,12 +158,7 @@ endmodule
     let sound = study_of(&tries(0), "s=1", 54, 360);
     assert_eq!(exit_code(&sound), 0);
     let folder = study_of(&tries(3), "s=1", 54, 360);
-    let offered = folder.json("refine");
-    let proposals = offered["proposals"].as_array().expect("a list");
-    let titles: Vec<&str> = proposals
-        .iter()
-        .filter_map(|it| it["title"].as_str())
-        .collect();
+    let titles = folder.titles();
     assert!(
         titles
             .iter()

@@ -19,7 +19,7 @@
 use super::stand::doubts;
 use crate::compare::{Belief, FurtherSubjects};
 use crate::resampled::{
-    CLEARLY, DRAWS, MOST_EACH, MOST_PEOPLE, Population, Resampled, chance, growth,
+    CLEARLY, DRAWS, MOST_EACH, MOST_PEOPLE, Population, Resampled, growth, shares,
 };
 use crate::{Measure, Threshold};
 use stats::{Confidence, Sample};
@@ -121,12 +121,11 @@ fn chances(
         met += u64::from(not_met <= levels.met);
         missed += u64::from(is_met <= levels.missed);
     }
-    let both = chance(met + missed);
-    let share = |count: u64| both * count as f64 / (met + missed).max(1) as f64;
+    let (met, missed) = shares([met, missed]);
     ByPeople {
         people,
-        met: share(met),
-        missed: share(missed),
+        met,
+        missed,
     }
 }
 

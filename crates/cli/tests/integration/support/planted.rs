@@ -100,6 +100,14 @@ impl Planted {
         std::fs::write(path, text).expect("written");
     }
 
+    /// The titles of what `refine` offers, in its order.
+    pub fn titles(&self) -> Vec<String> {
+        let offered = self.json("refine");
+        let proposals = offered["proposals"].as_array().expect("proposals");
+        let titles = proposals.iter().filter_map(|it| it["title"].as_str());
+        titles.map(str::to_owned).collect()
+    }
+
     /// Runs it: whatever it shows, it is a study.
     pub fn run(&self) {
         let said = corroborate(self.path(), &["run", ".", "--quiet"]);

@@ -13,33 +13,30 @@
 
 use super::{Diagnosing, Gathered};
 use crate::technique::experiment::{Excess, Tables};
-use diagnostic::Problem;
 use evidence::{
     Clue, Inaccuracy, Outcome, Rate, Subject, SuspectAsset, SuspectKind, Symptom, strength,
 };
-use study::Work;
+use study::TableFiles;
 
 impl Diagnosing<'_> {
-    /// Looks for rows with more trials than attempts of what is in conflict.
-    pub(super) fn excesses(&self, gathered: &mut Gathered) -> Result<(), Problem> {
-        for entry in self.entries(Work::is_read) {
-            let Some(files) = entry.work.tables() else {
-                continue;
+    /// Looks for rows of an entry's tables with more trials than attempts of what is in conflict.
+    pub(super) fn excesses(
+        &self,
+        (evidence, files): (&str, TableFiles<'_>),
+        tables: &Tables,
+        gathered: &mut Gathered,
+    ) {
+        for row in tables.more_than_attempts(self.study) {
+            let file = match row.subject {
+                Subject::Requirement(_) => files.requirements,
+                Subject::FailureMode(_) => files.failure_modes,
             };
-            let tables = Tables::read(self.study, files)?;
-            for row in tables.more_than_attempts(self.study) {
-                let file = match row.subject {
-                    Subject::Requirement(_) => files.requirements,
-                    Subject::FailureMode(_) => files.failure_modes,
-                };
-                let score = self.strongest_conflict(&entry.id, &row.subject);
-                if let (Some(file), Some(score)) = (file, score) {
-                    let file = file.to_string_lossy().replace('\\', "/");
-                    gathered.clues.push(clue(&entry.id, file, row, score));
-                }
+            let score = self.strongest_conflict(evidence, &row.subject);
+            if let (Some(file), Some(score)) = (file, score) {
+                let file = file.to_string_lossy().replace('\\', "/");
+                gathered.clues.push(clue(evidence, file, row, score));
             }
         }
-        Ok(())
     }
 
     /// How strongly the strongest conflict of a piece on a subject contradicts it; `None` where it has none.

@@ -85,7 +85,6 @@ pub fn diagnose(
     let offered = diagnosing.offered(&mut gathered)?;
     diagnosing.edits(&offered, &mut gathered)?;
     diagnosing.outliers(&mut gathered)?;
-    diagnosing.excesses(&mut gathered)?;
     gathered.clues.extend(drifts(study));
     diagnosing.drifted_constants(&mut gathered)?;
     let tables = tables_of(study);

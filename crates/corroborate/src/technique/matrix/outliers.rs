@@ -33,14 +33,17 @@ struct Counted<'a> {
 }
 
 impl Diagnosing<'_> {
-    /// Looks for subjects of cohorts who differ from all others.
+    /// Looks for subjects of cohorts who differ from all others, and for rows that contradict the cohort's attempts.
     pub(super) fn outliers(&self, gathered: &mut Gathered) -> Result<(), Problem> {
         for entry in self.entries(Work::is_read) {
-            let files = entry.work.tables();
-            let Some((files, file)) = files.and_then(|all| Some((all, all.cohort?))) else {
+            let Some(files) = entry.work.tables() else {
                 continue;
             };
             let tables = Tables::read(self.study, files)?;
+            self.excesses((&entry.id, files), &tables, gathered);
+            let Some(file) = files.cohort else {
+                continue;
+            };
             let counted = self.counted(&tables, &entry.id, file)?;
             let mut named = 0;
             for it in &counted {

@@ -23,7 +23,7 @@ use super::side::Side;
 use super::{MOST_TRIALS, Plan, Planning};
 use crate::compare::Belief;
 use crate::resampled::{
-    CLEARLY, DRAWS, MOST_EACH, MOST_PEOPLE, Population, Resampled, chance, growth,
+    CLEARLY, DRAWS, MOST_EACH, MOST_PEOPLE, Population, Resampled, growth, shares,
 };
 use crate::{FurtherSubjects, Measure};
 use stats::{Confidence, Sample};
@@ -114,9 +114,7 @@ impl Planning<'_> {
                 conflict += 1;
             }
         }
-        let both = chance(agreement + conflict);
-        let share = |count: u64| both * count as f64 / (agreement + conflict).max(1) as f64;
-        Some((share(agreement), share(conflict)))
+        Some(shares([agreement, conflict]))
     }
 }
 
