@@ -22,6 +22,8 @@ struct Words {
     many: String,
     /// That one run does so: `triggers it (near)`.
     one: String,
+    /// The same behind "to": `trigger it (near)`.
+    infinitive: String,
 }
 
 impl Finding {
@@ -56,7 +58,8 @@ impl Finding {
         let words = self.words(trigger);
         match &self.measure {
             Measure::Counts { count, trials, .. } if *trials > 0 => {
-                Some(self.of_counts((*count, *trials), &words))
+                let is_taken = self.takes_each_run_to_trigger(trigger);
+                Some(self.of_counts((*count, *trials), &words, is_taken))
             }
             Measure::Probability { .. } => Some(self.of_probability(&words)),
             _ => self.how_often(&words),
@@ -71,6 +74,17 @@ impl Finding {
             Denominator::EveryRun | Denominator::NoTrigger
         );
         !over_all || self.undecided > 0
+    }
+
+    /// Whether its counts are over all runs though only those that trigger its subject count, and nothing says that all of these did:
+    /// a table of attempts without a column or a row for the trigger.
+    #[must_use]
+    pub fn takes_each_run_to_trigger(&self, trigger: Option<&str>) -> bool {
+        trigger.is_some()
+            && self.trigger.is_none()
+            && self.undecided == 0
+            && self.denominator == Denominator::EveryRun
+            && matches!(self.measure, Measure::Counts { .. })
     }
 
     /// The condition in the words that stand behind a figure within a sentence; empty where every run counts.
@@ -93,25 +107,28 @@ impl Finding {
                 runs: format!("runs that trigger it{name}"),
                 many: "trigger it".to_owned(),
                 one: format!("triggers it{name}"),
+                infinitive: format!("trigger it{name}"),
             },
             Subject::FailureMode(_) => Words {
                 runs: format!("opportunities{name}"),
                 many: "give an opportunity".to_owned(),
                 one: format!("gives an opportunity{name}"),
+                infinitive: format!("give an opportunity{name}"),
             },
         }
     }
 
-    fn of_counts(&self, (count, trials): (u64, u64), words: &Words) -> String {
+    fn of_counts(&self, (count, trials): (u64, u64), words: &Words, is_taken: bool) -> String {
         let ended = match self.undecided {
             0 => String::new(),
             _ => format!("; {}", self.undecided_in_words()),
         };
         match &self.denominator {
             Denominator::EveryRun | Denominator::NoTrigger => {
-                let every = match self.trigger.is_some() {
-                    true => format!(", each of which {}", words.one),
-                    false => String::new(),
+                let every = match (self.trigger.is_some(), is_taken) {
+                    (true, _) => format!(", each of which {}", words.one),
+                    (false, true) => format!(", each of which is taken to {}", words.infinitive),
+                    (false, false) => String::new(),
                 };
                 let (all, judged) = match self.undecided {
                     0 => ("of all", ""),
@@ -308,6 +325,22 @@ mod tests {
             of(Denominator::EveryRun, None).condition(None).as_deref(),
             Some("7 of the 9 runs with a verdict; 3 more runs reached no verdict")
         );
+    }
+
+    /// A table that does not count its trigger, where the study names one.
+    #[test]
+    fn attempts_that_are_only_taken_to_trigger_it_are_said_to_be() {
+        let found = finding(counts(7, 9), Denominator::EveryRun, None);
+        assert_eq!(
+            found.condition(Some("near")).as_deref(),
+            Some("7 of all 9 runs, each of which is taken to trigger it (near)")
+        );
+        assert!(!found.takes_each_run_to_trigger(None));
+        let known = finding(counts(7, 9), Denominator::EveryRun, Some(counts(9, 9)));
+        assert!(!known.takes_each_run_to_trigger(Some("near")));
+        let computed = computed(0.9, Guarantee::Exact { rational: None });
+        let computed = finding(computed, Denominator::EveryRun, None);
+        assert!(!computed.takes_each_run_to_trigger(Some("near")));
     }
 
     #[test]

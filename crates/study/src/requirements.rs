@@ -123,6 +123,8 @@ pub struct SubjectForm {
     pub background: Background,
     /// That its text states another rate than its threshold.
     other_rate: Option<Problem>,
+    /// That its margin is very wide.
+    wide_margin: Option<Problem>,
     /// That its text states another time than its sentence.
     other_duration: Option<Problem>,
 }
@@ -142,6 +144,7 @@ impl SubjectForm {
         let sentence = self.sentence.as_ref();
         let mut found = sentence.map_or_else(Vec::new, |sentence| sentence.warnings.clone());
         found.extend(self.other_rate.clone());
+        found.extend(self.wide_margin.clone());
         found.extend(self.other_duration.clone());
         let said = found.iter().any(|warning| warning.code == "exact-instant");
         let main = self.monitor.iter();

@@ -187,6 +187,53 @@ fn a_requirement_that_the_model_never_triggers_is_no_agreement() {
     assert!(!page.contains("nothing conflicts"));
 }
 
+/// A trigger whose bound is too short for the model: the conflict says so.
+#[test]
+fn what_only_the_bound_of_its_trigger_excludes_is_said_with_its_share() {
+    let folder = study("s=1", 54, 360);
+    let requirements = REQUIREMENTS.replace("P=? [ F \"weighed\" ]", "P=? [ F<=0 \"weighed\" ]");
+    folder.write("requirements.toml", &requirements);
+    folder.run();
+    assert_eq!(on_stuck(&folder)["outcome"], "conflicts");
+    let found = folder.findings("M");
+    let reason = "In the model, the opportunity has probability 0 within the bound of `F<=0 \"weighed\"`; without the bound it is 90 %.";
+    assert_eq!(found[1]["measure"]["reason"], reason, "{found:?}");
+}
+
+/// None of 30 is counted, and held: that it never comes is not computed of the model, but written into it.
+#[test]
+fn a_constant_that_is_held_at_none_of_thirty_excludes_nothing() {
+    let model = "dtmc
+const double heavy = 0;
+module cart
+  s : [0..4] init 0;
+  [] s=0 -> heavy : (s'=1) + (1-heavy) : (s'=2);
+  [] s=1 -> 0.85 : (s'=2) + 0.15 : (s'=3);
+  [] s>1 -> true;
+endmodule
+";
+    let folder = study_of(model, "s=1", 54, 360);
+    assert_eq!(on_stuck(&folder)["outcome"], "conflicts");
+    folder.write("heavy.csv", "mode,occurrences,opportunities\nheavy,0,30\n");
+    let mode =
+        "[[failure_mode]]\nid = \"heavy\"\nname = \"Heavy\"\nmeaning = \"It is to be weighed.\"\n";
+    folder.write("requirements.toml", &format!("{REQUIREMENTS}{mode}"));
+    let counted = "[[evidence]]\nid = \"W\"\ntitle = \"Weighing\"\ntechnique = \"experiment\"\nconditions = \"yard\"\n\
+                   tables.failure_modes = \"heavy.csv\"\nchanged = \"Counted.\"\n";
+    let set = "model = \"model.prism\"\ncalibrated = [{ constant = \"heavy\", from = \"W\", failure_mode = \"heavy\", held = true }]";
+    let ledger = LEDGER.replace("model = \"model.prism\"", set);
+    folder.write("ledger.toml", &format!("{counted}{ledger}"));
+    folder.run();
+    let pair = on_stuck(&folder);
+    assert_eq!(pair["outcome"], "not-comparable", "{pair}");
+    let found = folder.findings("M");
+    let reason = found[1]["measure"]["reason"].as_str().unwrap_or_default();
+    assert!(
+        reason.contains("because `heavy` is held at what was counted"),
+        "{found:?}"
+    );
+}
+
 /// A model that is never asked, or of which it is not known that the probability is 0, is not refuted.
 #[test]
 fn what_nobody_counted_is_no_conflict() {

@@ -117,3 +117,112 @@ fn what_the_tables_do_not_say_is_not_guessed() {
     let (_, found) = findings(&vocabulary, LEDGER, &all);
     assert_eq!(counts(&found[0]), (180, 200), "{found:?}");
 }
+
+/// That every attempt triggers it is said where nothing counts it, beside the figure and in what is concluded of it.
+#[test]
+fn attempts_that_are_taken_to_trigger_it_are_said_to_be() {
+    let vocabulary = VOCABULARY.replace(", column = \"STUMBLED\"", "");
+    let (study, _) = findings(&vocabulary, LEDGER, &cohort("other", 2));
+    let conclusion = study.json("run")["conclusions"][0].clone();
+    assert_eq!(conclusion["verdict"], "violated", "{conclusion}");
+    let statement = conclusion["statement"].as_str().unwrap_or_default();
+    let said =
+        "it supposes that every attempt triggers it (stumbled), which its tables do not count";
+    assert!(statement.contains(said), "{statement}");
+    let condition = conclusion["standings"][0]["condition"].as_str();
+    assert_eq!(
+        condition,
+        Some("67 of all 200 runs, each of which is taken to trigger it (stumbled)")
+    );
+    // Where it is counted nothing is supposed.
+    let vocabulary = VOCABULARY.replace("STUMBLED", "stumbled");
+    let (study, _) = findings(&vocabulary, LEDGER, &cohort("stumbled", 2));
+    let statement = study.json("run")["conclusions"][0]["statement"].to_string();
+    assert!(
+        !statement.contains("it supposes that every attempt"),
+        "{statement}"
+    );
+}
+
+/// A row that says of another number of attempts that they triggered it than the column of what triggers it does.
+#[test]
+fn a_row_that_counts_other_trials_than_the_trigger_is_refused() {
+    let vocabulary = VOCABULARY.replace("STUMBLED", "stumbled");
+    for (name, key, row, line) in [
+        (
+            "modes.csv",
+            "failure_modes",
+            "mode,occurrences,opportunities\nfall,2,45\n",
+            2,
+        ),
+        (
+            "all.csv",
+            "requirements",
+            "requirement,covered,passed,failed\ncaught,70,67,3\n",
+            2,
+        ),
+        (
+            "all.csv",
+            "requirements",
+            "requirement,covered,passed,failed\ncaught,200,67,133\n",
+            2,
+        ),
+    ] {
+        let study = Planted::new();
+        for (file, text) in [
+            ("study.toml", STUDY),
+            ("requirements.toml", REQUIREMENTS),
+            ("vocabulary.toml", &vocabulary),
+            (
+                "ledger.toml",
+                &format!("{LEDGER}tables.{key} = \"{name}\"\n"),
+            ),
+            ("cohort.csv", &cohort("stumbled", 2)),
+            (name, row),
+        ] {
+            study.write(file, text);
+        }
+        let said = support::program::corroborate(study.path(), &["run", ".", "--quiet"]);
+        assert_eq!(said.code, 2, "{said:?}");
+        assert!(said.talk.contains("error[tables-disagree]"), "{said:?}");
+        assert!(said.talk.contains(&format!("{name}:{line}")), "{said:?}");
+        assert!(
+            said.talk.contains("69 attempts in which \"stumbled\" came"),
+            "{said:?}"
+        );
+    }
+}
+
+/// Several stumbles of one attempt, and trials whose verdict is not known, are no contradiction.
+#[test]
+fn rows_that_fit_the_trigger_are_taken() {
+    let vocabulary = VOCABULARY.replace("STUMBLED", "stumbled");
+    for (name, key, row) in [
+        (
+            "modes.csv",
+            "failure_modes",
+            "mode,occurrences,opportunities\nfall,2,90\n",
+        ),
+        (
+            "all.csv",
+            "requirements",
+            "requirement,covered,passed,failed,undecided\ncaught,68,67,1,1\n",
+        ),
+    ] {
+        let study = Planted::new();
+        for (file, text) in [
+            ("study.toml", STUDY),
+            ("requirements.toml", REQUIREMENTS),
+            ("vocabulary.toml", &vocabulary),
+            (
+                "ledger.toml",
+                &format!("{LEDGER}tables.{key} = \"{name}\"\n"),
+            ),
+            ("cohort.csv", &cohort("stumbled", 2)),
+            (name, row),
+        ] {
+            study.write(file, text);
+        }
+        study.run();
+    }
+}

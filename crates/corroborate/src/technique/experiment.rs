@@ -155,6 +155,7 @@ impl Tables {
             tables.add_junit(junit::read(study, path, files.tests, reader)?)?;
         }
         tables.check_agreement(study)?;
+        tables.check_triggers(study)?;
         tables.check_is_one()?;
         Ok(tables)
     }

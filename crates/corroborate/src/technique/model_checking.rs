@@ -13,6 +13,7 @@ mod answer;
 mod at_constants;
 mod functions;
 mod given;
+mod never;
 mod point_values;
 mod robust;
 mod schedulers;
@@ -383,6 +384,7 @@ impl<'a> Compiled<'a> {
             let varied = (&varied[..], space.num_states());
             self.carry_uncertainty(id, varied, &mut findings, interrupt, begin)?;
         }
+        self.say_what_is_held_at_zero(&held, &mut findings, &cancel)?;
         let influences = self.influences(&held, &cancel)?;
         let cost = Cost {
             evidence: id.to_owned(),

@@ -82,6 +82,7 @@ pub(super) fn stand(
             contradicted,
         ) + &alike_as_elsewhere(belief, threshold, standing, levels)
             + &all_kinds_met(belief, threshold, standing, levels)
+            + &each_triggers(named, standing)
             + &better_without_one(belief, threshold, levels),
     }
 }
@@ -123,6 +124,17 @@ fn alike_as_elsewhere(
     match standing {
         Standing::Supports if p_not_met > levels.met => words::alike_as_elsewhere(p_not_met),
         Standing::Denies if p_met > levels.missed => words::alike_as_elsewhere(p_met),
+        _ => String::new(),
+    }
+}
+
+/// That a claim supposes that every attempt of a table triggers what is judged, where the table does not count that.
+fn each_triggers(named: Named<'_>, standing: Standing) -> String {
+    let is_taken = named.finding.takes_each_run_to_trigger(named.trigger);
+    match (standing, named.trigger) {
+        (Standing::Supports | Standing::Denies, Some(trigger)) if is_taken => {
+            words::each_triggers(trigger)
+        }
         _ => String::new(),
     }
 }

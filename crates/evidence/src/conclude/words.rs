@@ -167,6 +167,13 @@ pub(super) fn alike_as_elsewhere(p: f64) -> String {
     )
 }
 
+/// That a claim rests on every attempt of a table being one in which this came to hold.
+pub(super) fn each_triggers(trigger: &str) -> String {
+    format!(
+        "; it supposes that every attempt triggers it ({trigger}), which its tables do not count"
+    )
+}
+
 /// That a claim rests on so few subjects being of every kind that there is.
 pub(super) fn all_kinds_met(subjects: Option<u64>, p: f64) -> String {
     let Some(subjects) = subjects else {

@@ -291,6 +291,7 @@ impl Reader<'_> {
             experiment: found.keep(self.experiment(text.experiment)).flatten(),
             carried_at: text.carries_over.iter().map(Spanned::span).collect(),
             other_rate: None,
+            wide_margin: self.wide_margin(text.margin.as_ref()),
             other_duration: None,
             background: Background {
                 rationale: text.rationale,
@@ -449,6 +450,7 @@ impl Reader<'_> {
             carried_at: Vec::new(),
             background: Background::default(),
             other_rate: None,
+            wide_margin: self.wide_margin(text.margin.as_ref()),
             other_duration: None,
         };
         self.check_property(&mut form, found);

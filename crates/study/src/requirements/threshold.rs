@@ -7,7 +7,25 @@ use evidence::{DEFAULT_MARGIN, Direction, Threshold};
 use requirement_lang::sentence::Comparison;
 use toml::Spanned;
 
+/// A margin from which on more than half of what a rate can be agrees with the other side, whatever that is.
+const WIDE: f64 = 0.5;
+
 impl Reader<'_> {
+    /// That a margin is so wide that hardly any two figures differ by more.
+    pub(super) fn wide_margin(&self, margin: Option<&Spanned<f64>>) -> Option<Problem> {
+        let margin = margin?;
+        let value = *margin.get_ref();
+        (WIDE..1.0).contains(&value).then(|| {
+            let points = (1000.0 * value).round() / 10.0;
+            let message = format!(
+                "a margin of {points} points: a rate of 50 % agrees with every other, so that agreement says next to nothing"
+            );
+            Problem::new("wide-margin", message)
+                .at(self.source, margin.span())
+                .remedy("write the largest difference of two rates that does not matter to you, for example 0.05 for 5 points")
+        })
+    }
+
     pub(super) fn margin(&self, margin: Option<Spanned<f64>>) -> Result<f64, Problem> {
         let Some(margin) = margin else {
             return Ok(DEFAULT_MARGIN);

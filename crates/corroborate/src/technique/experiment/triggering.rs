@@ -9,6 +9,11 @@
 //!   fewer than half of the subjects have more of the one, their rows contradict the others, and are refused;
 //! * in all, where a failure mode of the same opportunity has a row with its opportunities.
 //!
+//! A row of the subject's own says in how many it was. Where the cohort has a column of the proposition, too, both must fit: a
+//! requirement is covered, with or without a verdict, in just the attempts in which the proposition came to hold, and a failure mode has an
+//! opportunity or more in each of them. A row that says otherwise counts something else than what the study asks of its models, and is
+//! refused.
+//!
 //! # Why
 //! Attempts count as trials of a requirement, as people arrange them to trigger it. Where the tables say in how many of them it
 //! was, that is not so: of 600 attempts 88 stumble, and 86 that are caught are 86 of 88, not a rate of 14 %.
@@ -20,6 +25,7 @@
 //! Counts are those of the tables. A success column that counts more attempts than the trigger's is not taken for one among the
 //! trigger's.
 
+use super::placed::RowPlace;
 use super::{Tables, in_row};
 use diagnostic::Problem;
 use evidence::Subject;
@@ -44,7 +50,85 @@ impl Triggering {
     }
 }
 
+/// A row of a subject's own.
+struct OwnRow<'t> {
+    /// Covered trials, with or without a verdict, or opportunities.
+    trials: u64,
+    /// Whether an attempt may have several.
+    several: bool,
+    place: &'t RowPlace,
+}
+
 impl Tables {
+    /// That rows of subjects and the columns of what triggers them fit each other.
+    ///
+    /// # Errors
+    /// `tables-disagree` at a row which says of more or fewer trials that they were covered.
+    pub(super) fn check_triggers(&self, study: &Study) -> Result<(), Problem> {
+        for form in &study.forms.subjects {
+            let (Some(row), Some(condition)) = (self.own_row(&form.subject), condition(form))
+            else {
+                continue;
+            };
+            let Some(triggers) = self.came(study, condition)? else {
+                continue;
+            };
+            let counted = self.cohort_counts(study, form)?.unwrap_or_default();
+            let more = counted.iter().zip(&triggers);
+            let more = more.filter(|(one, trigger)| one.successes > trigger.successes);
+            // A column that counts other attempts, too, is none of the trigger's.
+            if 2 * more.count() >= counted.len().max(1) {
+                continue;
+            }
+            let came: u64 = triggers.iter().map(|it| it.successes).sum();
+            let fits = match row.several {
+                true => row.trials >= came,
+                false => row.trials == came,
+            };
+            if !fits {
+                return Err(row.misfit(form, condition, came));
+            }
+        }
+        Ok(())
+    }
+
+    /// The row of a subject's own in a table.
+    fn own_row(&self, subject: &Subject) -> Option<OwnRow<'_>> {
+        match subject {
+            Subject::Requirement(_) => {
+                let row = self.row(subject)?;
+                Some(OwnRow {
+                    trials: row.covered.saturating_add(row.undecided),
+                    several: false,
+                    place: row.place.as_ref()?,
+                })
+            }
+            Subject::FailureMode(id) => {
+                let row = self.failure_modes.iter().find(|row| &row.mode == id)?;
+                Some(OwnRow {
+                    trials: row.opportunities,
+                    several: true,
+                    place: &row.place,
+                })
+            }
+        }
+    }
+
+    /// In how many attempts of each subject the proposition came to hold that is all of a condition, where the cohort counts it.
+    fn came(&self, study: &Study, condition: &FormText) -> Result<Option<Vec<Sample>>, Problem> {
+        let binding = reached(condition).and_then(|name| {
+            let known = study.vocabulary.propositions.get(&name)?;
+            known.column.as_ref()
+        });
+        let (Some(cohort), Some(binding)) = (&self.cohort, binding) else {
+            return Ok(None);
+        };
+        match cohort.has_column(study, binding) {
+            Ok(()) => cohort.counts(&binding.text).map(Some),
+            Err(_) => Ok(None),
+        }
+    }
+
     /// In which trials of the cohort it was triggered; `None` where the tables have a row of its own that says otherwise, or do not say it.
     ///
     /// # Errors
@@ -67,14 +151,7 @@ impl Tables {
         let Some(counted) = self.cohort_counts(study, form)? else {
             return Ok(None);
         };
-        let binding = reached(condition).and_then(|name| {
-            let known = study.vocabulary.propositions.get(&name)?;
-            known.column.as_ref()
-        });
-        if let Some(binding) = binding
-            && cohort.has_column(study, binding).is_ok()
-        {
-            let triggers = cohort.counts(&binding.text)?;
+        if let Some(triggers) = self.came(study, condition)? {
             let among = counted.iter().zip(&triggers);
             let is_more = |(one, trigger): (&Sample, &Sample)| one.successes > trigger.successes;
             let more = among.clone().filter(|it| is_more(*it)).count();
@@ -121,6 +198,30 @@ impl Tables {
         let trials = of_same.map(|row| row.opportunities);
         let is_among = |trials: &u64| (count..attempts).contains(trials);
         Ok(trials.filter(is_among).map(Triggering::Total))
+    }
+}
+
+impl OwnRow<'_> {
+    fn misfit(&self, form: &SubjectForm, condition: &FormText, came: u64) -> Problem {
+        let word = reached(condition).unwrap_or_default();
+        let (trials, id) = (self.trials, form.subject.id());
+        let (what, rule) = match self.several {
+            true => (
+                "opportunities are",
+                "each of these is an opportunity at least",
+            ),
+            false => (
+                "trials are",
+                "these are the trials that trigger it, with a verdict or without",
+            ),
+        };
+        let message = format!(
+            "{trials} {what} counted for `{id}` here, and the cohort counts {came} attempts in which \"{word}\" came: {rule}"
+        );
+        self.place.of(Problem::new("tables-disagree", message)).remedy(format!(
+            "correct the table that is wrong; or, if the row counts something else than \"{word}\", name that as what triggers `{id}` in \
+             requirements.toml"
+        ))
     }
 }
 

@@ -29,7 +29,7 @@
 //! # Guarantee
 //! The bounds of the quotient are those that the bounds of both probabilities imply, rounded outwards.
 
-use super::{Compiled, Question};
+use super::{Compiled, Question, never};
 use diagnostic::Problem;
 use evidence::{Denominator, Interval, Measure, MethodAnswer, Subject};
 use host::store::Inputs;
@@ -360,15 +360,11 @@ impl Question<'_> {
         if triggers[0].value <= 0.0 && bounds.is_none_or(|bounds| bounds.high <= 0.0) {
             return Ok(Asked {
                 measure: Measure::NotCovered {
-                    reason: match self.subject {
-                        Subject::Requirement(_) => {
-                            "In the model, it is triggered with probability 0."
-                        }
-                        Subject::FailureMode(_) => {
-                            "In the model, the opportunity has probability 0."
-                        }
-                    }
-                    .into(),
+                    reason: never::reason(
+                        self.subject,
+                        trigger,
+                        &|text| Ok(answer(0, text)?.value),
+                    ),
                 },
                 denominator: Denominator::Triggered,
                 trigger: shown,
@@ -463,7 +459,7 @@ pub(super) fn is_refused(problem: &Problem) -> bool {
 }
 
 /// What stands in the brackets of `P=? [ … ]`.
-fn path_of(text: &str) -> Option<&str> {
+pub(super) fn path_of(text: &str) -> Option<&str> {
     let (open, close) = (text.find('[')?, text.rfind(']')?);
     text.get(open + 1..close).map(str::trim)
 }

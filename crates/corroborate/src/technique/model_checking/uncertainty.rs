@@ -56,7 +56,7 @@ const POINTS_TRIED: usize = 64;
 const SHARE_OF_SOLVED: usize = 4;
 
 /// A change of a probability below this is rounding.
-const NO_EFFECT: f64 = 1e-9;
+pub(super) const NO_EFFECT: f64 = 1e-9;
 
 /// Points at which a model is solved: as many as draws of its constants give quantiles, with those of a grid that
 /// tells the shares of up to six constants to a fraction of a point. More constants have their columns exchanged. A small
