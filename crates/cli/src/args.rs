@@ -10,6 +10,7 @@ mod documented;
 mod engines;
 mod explore;
 mod format;
+mod grouped;
 mod language_server;
 mod pack;
 mod peers;
@@ -20,8 +21,10 @@ mod reference;
 mod refine;
 pub mod refused;
 mod replay;
+mod shard;
 mod shell;
 mod simulate;
+mod study_folder;
 mod watch;
 
 pub use assurance::{Assure, Verify};
@@ -32,6 +35,7 @@ pub use diff::{Diff, DiffFormat, Written};
 pub use engines::Engines;
 pub use explore::Explore;
 pub use format::FormatFiles;
+pub use grouped::parsed;
 pub use language_server::LanguageServer;
 pub use pack::Pack;
 pub use peers::with_peers_spelling;
@@ -41,9 +45,12 @@ pub use recordings::{
 };
 pub use refine::{Refine, WhatIf};
 pub use replay::{Replay, Shrink};
+pub use shard::Merge;
 pub use shell::{Completions, Doctor, Man};
 pub use simulate::{RecordingForm, Simulate};
 pub use watch::Watch;
+
+use study_folder::study_folder;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -105,6 +112,8 @@ pub struct Arguments {
 pub enum Command {
     /// Produce a study's evidence, compare it, and write the report.
     Run(Run),
+    /// Take over the episodes that shards of a run simulated on other machines.
+    Merge(Merge),
     /// Say what a run would do: which evidence is stale, and why.
     Plan(Plan),
     /// Check properties of a model in the PRISM language.
@@ -202,12 +211,14 @@ Examples:
   corroborate run case-studies/handover
   corroborate run case-studies/handover --out /tmp/results
   corroborate run my-study --only E1 --only E5
+  corroborate run my-study --shard 2/8 --out shard-2
 
 Results go to STUDY/results: report.html, study.json, the evidence and the
 recorded episodes. What is fresh is not produced again; an interrupted run
 goes on where it stopped.")]
 pub struct Run {
-    /// The study's folder.
+    /// The study's folder, or its study.toml; the folder around, if left out.
+    #[arg(default_value = ".", hide_default_value = true, value_parser = study_folder())]
     pub study: PathBuf,
     /// Where results go instead of STUDY/results.
     #[arg(long, value_name = "FOLDER")]
@@ -215,6 +226,9 @@ pub struct Run {
     /// Produce only this evidence (may be repeated); then nothing is compared.
     #[arg(long, value_name = "ID")]
     pub only: Vec<String>,
+    /// Simulate the K-th of N parts of all episodes alone, into --out; `corroborate merge` puts the parts together.
+    #[arg(long, value_name = "K/N", value_parser = shard::shard_of, requires = "out", conflicts_with_all = ["junit", "markdown", "sarif"])]
+    pub shard: Option<(u64, u64)>,
     /// How many threads to use (results do not depend on it).
     #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -235,7 +249,8 @@ Examples:
 The study is read and checked as for a run; nothing is produced or written.
 Exits 0 whether or not evidence is stale.")]
 pub struct Plan {
-    /// The study's folder.
+    /// The study's folder, or its study.toml; the folder around, if left out.
+    #[arg(default_value = ".", hide_default_value = true, value_parser = study_folder())]
     pub study: PathBuf,
     /// Where results are, if not in STUDY/results.
     #[arg(long, value_name = "FOLDER")]
@@ -261,7 +276,8 @@ Examples:
 
 Exits 1 if a pair shown conflicts, 3 if one is inconclusive.")]
 pub struct Compare {
-    /// The study's folder.
+    /// The study's folder, or its study.toml; the folder around, if left out.
+    #[arg(default_value = ".", hide_default_value = true, value_parser = study_folder())]
     pub study: PathBuf,
     /// Only pairs of this evidence (all if left out).
     pub evidence: Vec<String>,
@@ -280,7 +296,8 @@ Examples:
   corroborate report case-studies/handover
   corroborate report case-studies/handover --to report.html")]
 pub struct Report {
-    /// The study's folder.
+    /// The study's folder, or its study.toml; the folder around, if left out.
+    #[arg(default_value = ".", hide_default_value = true, value_parser = study_folder())]
     pub study: PathBuf,
     /// The file to write, instead of STUDY/results/report.html.
     #[arg(long, value_name = "FILE")]

@@ -16,7 +16,6 @@ mod shown_problem;
 mod terminal;
 mod written;
 
-use clap::Parser;
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::sync::Arc;
@@ -25,7 +24,7 @@ use std::sync::Arc;
 /// process's only work: it catches Ctrl-C and ends the process where the arguments are wrong, or ask for help.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = args::with_peers_spelling(arguments.into_iter());
-    let parsed = args::Arguments::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
+    let parsed = args::parsed(arguments).unwrap_or_else(|error| error.exit());
     let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     let host = host::Host {
         events: terminal::events(parsed.quiet),

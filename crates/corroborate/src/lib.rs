@@ -24,6 +24,7 @@
 //! | make a finding small, and keep it as a regression | [`shrink()`] |
 //! | run an episode again, and look at it; run all regressions again | [`replay()`], [`check_regressions`](replay::check_regressions) |
 //! | simulate episodes, and record and judge them | [`simulate::simulate()`] |
+//! | run a study's episodes on several machines | [`shard()`], then [`merge()`] |
 //! | fit a simulator to what was counted | [`calibrate()`] |
 //! | estimate how rare an event is | [`rare()`] |
 //! | run the same episodes in two physics engines | [`engines()`] |
@@ -67,6 +68,7 @@ pub mod rigs;
 pub mod ros2_table;
 mod run;
 pub mod schemas;
+pub mod shard;
 pub mod shrink;
 pub mod simulate;
 pub mod technique;
@@ -110,6 +112,7 @@ pub use requirements::exchange::{
 };
 pub use requirements::{RequirementsReport, RequirementsRequest, requirements};
 pub use run::{EvidenceReport, RunReport, RunRequest, run, run_with_page};
+pub use shard::{MergeReport, MergeRequest, ShardReport, ShardRequest, merge, shard};
 pub use shrink::{ShrinkReport, ShrinkRequest, shrink};
 pub use technique::Techniques;
 pub use verify::{Audit, Checked, Fault, VerifyReport, VerifyRequest, verify};

@@ -17,6 +17,7 @@ mod finding;
 mod judging_form;
 mod ledger;
 pub mod looks;
+mod nearest;
 mod parameters;
 pub mod placed;
 mod requirements;
@@ -225,7 +226,7 @@ impl Study {
         if !folder.is_dir() {
             return Err(
                 Problem::new("no-study", format!("{} is not a folder", folder.display()))
-                    .remedy("name a study's folder, or make one with `corroborate init FOLDER`"),
+                    .remedy(nearest::remedy(folder)),
             );
         }
         let (about, about_source) = read_about(folder, texts, found)?;
@@ -289,7 +290,7 @@ fn read_about(
             "no-study",
             format!("not a study: {} does not exist", path.display()),
         )
-        .remedy("make a study with `corroborate init FOLDER`"));
+        .remedy(nearest::remedy_within(folder)));
     }
     let source = texts.text(&path)?;
     let mut own = Problems::new();

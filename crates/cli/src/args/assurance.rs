@@ -1,6 +1,6 @@
 //! Arguments of the commands about assurance.
 
-use super::Format;
+use super::{Format, study_folder};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -17,7 +17,8 @@ Examples:
   corroborate assure case-studies/handover --to assurance
   gsn2x assurance/argument.gsn.yaml            draws the argument")]
 pub struct Assure {
-    /// The study's folder.
+    /// The study's folder, or its study.toml; the folder around, if left out.
+    #[arg(default_value = ".", hide_default_value = true, value_parser = study_folder())]
     pub study: PathBuf,
     /// The folder to write to, instead of STUDY/results/assurance.
     #[arg(long, value_name = "FOLDER")]

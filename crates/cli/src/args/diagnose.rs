@@ -1,6 +1,6 @@
 //! Arguments of `diagnose`.
 
-use super::Format;
+use super::{Format, study_folder};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -21,7 +21,8 @@ study.json and report.html. With --show prints one sampled path instead.
 Exits 1 if there is a suspect with a score of 1 or more that no later evidence
 has fixed.")]
 pub struct Diagnose {
-    /// The study's folder.
+    /// The study's folder, or its study.toml; the folder around, if left out.
+    #[arg(default_value = ".", hide_default_value = true, value_parser = study_folder())]
     pub study: PathBuf,
     /// Where the results are, if not in STUDY/results.
     #[arg(long, value_name = "FOLDER")]

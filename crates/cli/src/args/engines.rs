@@ -1,6 +1,6 @@
 //! Arguments of `engines`.
 
-use super::Format;
+use super::{Format, study_folder};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -29,7 +29,8 @@ episode is run again, and saved in its middle and continued, and the hashes of
 all its recordings are compared; exits 1 if two differ. A command is run in
 its own engine alone, with --determinism or --against.")]
 pub struct Engines {
-    /// The study's folder.
+    /// The study's folder, or its study.toml.
+    #[arg(value_parser = study_folder())]
     pub study: PathBuf,
     /// The ledger's entry whose scene or scenario is simulated.
     pub evidence: String,

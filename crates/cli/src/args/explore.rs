@@ -1,6 +1,6 @@
 //! Arguments of `explore`.
 
-use super::Format;
+use super::{Format, study_folder};
 use clap::Args;
 use corroborate::technique::exploration::SourceKind;
 use std::path::PathBuf;
@@ -38,7 +38,8 @@ Exits 1 if anything was found (or differs), whatever else was lost; otherwise 3 
 a region is undecided, an episode broke off or a finding was not
 shown again.")]
 pub struct Explore {
-    /// The study's folder.
+    /// The study's folder, or its study.toml.
+    #[arg(value_parser = study_folder())]
     pub study: PathBuf,
     /// The file that says how to explore, relative to the study.
     pub file: PathBuf,

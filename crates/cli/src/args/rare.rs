@@ -1,6 +1,6 @@
 //! Arguments of `rare` and `calibrate`.
 
-use super::Format;
+use super::{Format, study_folder};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -18,7 +18,8 @@ subsets of the inputs. Replications give the interval; where `plain` asks for
 it, plain episodes are counted beside it, and exit code 1 says that the two
 contradict each other (3: an event was never reached). Interrupted, it goes on where it stopped.")]
 pub struct Rare {
-    /// The study's folder.
+    /// The study's folder, or its study.toml.
+    #[arg(value_parser = study_folder())]
     pub study: PathBuf,
     /// The file of events.
     pub file: PathBuf,
@@ -51,7 +52,8 @@ physics, and its counts are compared with the evidence's. Exits 0 if what was he
 out is shown to be within its margin, 1 if anything differs or contradicts its
 prediction, and 3 if neither is shown. Interrupted, it goes on where it stopped.")]
 pub struct Calibrate {
-    /// The study's folder.
+    /// The study's folder, or its study.toml.
+    #[arg(value_parser = study_folder())]
     pub study: PathBuf,
     /// The calibration's file.
     pub file: PathBuf,

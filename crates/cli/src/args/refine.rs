@@ -1,6 +1,6 @@
 //! Arguments of `refine` and `what-if`.
 
-use super::Format;
+use super::{Format, study_folder};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -21,7 +21,8 @@ entry that names the counts it was set to, and is run. Decisions on what a text
 means are never part of --all. Exits 1 if something is offered, 3 if nothing is
 and suspects are open; with accepted changes, as `run` does.")]
 pub struct Refine {
-    /// The study's folder.
+    /// The study's folder, or its study.toml; the folder around, if left out.
+    #[arg(default_value = ".", hide_default_value = true, value_parser = study_folder())]
     pub study: PathBuf,
     /// Offer only what is for this suspect, by its rank as `diagnose` shows it.
     #[arg(long, value_name = "RANK")]
@@ -71,7 +72,8 @@ assets as they are: the same points of the constants' posteriors, the same
 seeds. Printed is the predicted gain with its interval, and where techniques
 predict gains that exclude each other. Nothing of the study is changed.")]
 pub struct WhatIf {
-    /// The study's folder.
+    /// The study's folder, or its study.toml; the folder around, if left out.
+    #[arg(default_value = ".", hide_default_value = true, value_parser = study_folder())]
     pub study: PathBuf,
     /// Only the variant with this name (may be repeated).
     #[arg(long, value_name = "NAME")]

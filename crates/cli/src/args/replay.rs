@@ -1,6 +1,6 @@
 //! Arguments of `shrink` and `replay`.
 
-use super::Format;
+use super::{Format, study_folder};
 use clap::Args;
 use corroborate::technique::simulation::SearchPhysics;
 use std::path::PathBuf;
@@ -27,7 +27,8 @@ least a margin: --margin. The result goes to STUDY/regressions/NAME.toml; `corro
 --check` runs all of them again. Interrupted, it keeps the smallest so far.
 Exits 3 if the finding is not shown when it is run again.")]
 pub struct Shrink {
-    /// The study's folder.
+    /// The study's folder, or its study.toml.
+    #[arg(value_parser = study_folder())]
     pub study: PathBuf,
     /// The finding's file, as it is or relative to the study; or
     /// EVIDENCE:EPISODE.
@@ -91,7 +92,8 @@ Without --check exits 1 if a finding or regression no longer shows what it did, 
 if it does but the recording is not the same bytes as before (another machine or
 another version of the program; --check only says so).")]
 pub struct Replay {
-    /// The study's folder.
+    /// The study's folder, or its study.toml.
+    #[arg(value_parser = study_folder())]
     pub study: PathBuf,
     /// A finding's file, as it is or relative to the study; or
     /// EVIDENCE:EPISODE. With --check, regressions; all if none is named.

@@ -1,6 +1,6 @@
 //! The arguments of `simulate`, and what its recordings hold.
 
-use super::{Format, choice};
+use super::{Format, choice, study_folder};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use study::{Keep, OnFailure, PhysicsEngine};
@@ -20,7 +20,8 @@ monitor` judges. The same study and seed give the same bytes. Each requirement
 with a threshold is judged as `corroborate run` judges one piece of evidence:
 exits 0 if all hold, 1 if one is violated, 3 if one is undecided.")]
 pub struct Simulate {
-    /// The study's folder.
+    /// The study's folder, or its study.toml.
+    #[arg(value_parser = study_folder())]
     pub study: PathBuf,
     /// The ledger's entry whose scenario and parameters are simulated.
     pub evidence: String,

@@ -1,6 +1,6 @@
 //! Arguments of `watch`.
 
-use super::{Format, TimeChoice, duration};
+use super::{Format, TimeChoice, duration, study_folder};
 use clap::{ArgGroup, Args};
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -31,7 +31,8 @@ if a requirement is violated, 3 if messages were lost or a verdict is open, 130
 if it was interrupted before what was planned was over."
 )]
 pub struct Watch {
-    /// The study whose requirements and failure modes are judged.
+    /// The folder of the study whose requirements and failure modes are judged, or its study.toml; the folder around, if left out.
+    #[arg(default_value = ".", hide_default_value = true, value_parser = study_folder())]
     pub study: PathBuf,
     /// Listen to ROS 2 (or plain DDS) in this domain; 0 if none is said.
     #[arg(long, value_name = "DOMAIN", num_args = 0..=1, default_missing_value = "0", value_parser = clap::value_parser!(u16).range(0..=232))]

@@ -65,6 +65,7 @@ mod replay;
 mod requirement_forms;
 mod requirements_in_use;
 mod scene_truth;
+mod shards;
 mod shell;
 mod short_recordings;
 mod shrink;

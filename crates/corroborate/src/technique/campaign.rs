@@ -11,6 +11,7 @@ mod ended;
 mod estimates;
 mod failing;
 mod left;
+mod merged;
 mod mishaps;
 mod one;
 mod online;
@@ -30,6 +31,7 @@ pub use ended::{
 pub use estimates::estimates;
 pub use failing::{is_of_physics, kind_of, words_of};
 pub use left::judge_left;
+pub use merged::{TakenOver, numbers_of};
 pub use mishaps::Mishaps;
 pub use online::OnLine;
 pub(crate) use ordered::in_order;

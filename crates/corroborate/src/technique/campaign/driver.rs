@@ -109,7 +109,11 @@ impl Campaigning<'_> {
     }
 
     /// Takes what the journal holds, up to the first episode whose recording is not as it was.
-    fn go_on_from(&self, journal: &mut Journal, count: &mut Count<'_>) -> Result<(), Problem> {
+    pub(super) fn go_on_from(
+        &self,
+        journal: &mut Journal,
+        count: &mut Count<'_>,
+    ) -> Result<(), Problem> {
         let known = self.numbers.start..self.numbers.end.min(self.numbers.start + journal.count());
         let mut taken = 0;
         let work = |(): &mut (), number| {
@@ -194,9 +198,9 @@ fn threads() -> usize {
 }
 
 /// Counts that grow with each episode.
-struct Count<'a> {
+pub(super) struct Count<'a> {
     plan: &'a Campaigning<'a>,
-    tally: Tally,
+    pub(super) tally: Tally,
     differences: DifferenceTally,
     cost: Cost,
     /// Seconds simulated by this call, and with which processor time.
@@ -210,7 +214,7 @@ struct Count<'a> {
 }
 
 impl<'a> Count<'a> {
-    fn new(plan: &'a Campaigning<'a>, bench: &Bench<'_>) -> Self {
+    pub(super) fn new(plan: &'a Campaigning<'a>, bench: &Bench<'_>) -> Self {
         Self {
             plan,
             tally: Tally::new(&bench.monitors),
@@ -229,7 +233,7 @@ impl<'a> Count<'a> {
         }
     }
 
-    fn is_decided(&self) -> bool {
+    pub(super) fn is_decided(&self) -> bool {
         self.decided
     }
 
@@ -239,7 +243,7 @@ impl<'a> Count<'a> {
         self.began = Instant::now();
     }
 
-    fn take(&mut self, record: &EpisodeRecord, effort: Effort) -> ControlFlow<()> {
+    pub(super) fn take(&mut self, record: &EpisodeRecord, effort: Effort) -> ControlFlow<()> {
         let path = self.plan.recording(record.number);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let verdicts: Vec<_> = record.judged.iter().map(|judged| judged.verdict).collect();

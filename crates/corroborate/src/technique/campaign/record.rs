@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use temporal::monitor::Verdict;
@@ -194,6 +194,46 @@ impl Journal {
         };
         journal.keep(journal.count())?;
         Ok(journal)
+    }
+
+    /// The journal of a folder that another process made, to be read alone: `None` if it was judged by other monitors.
+    pub fn made_elsewhere(
+        path: &Path,
+        first: u64,
+        judged_by: &str,
+    ) -> Result<Option<Self>, Problem> {
+        let mut file = host::files::open_file(path)?;
+        let places = whole_lines(&mut file, &header(judged_by), first);
+        let places = places.map_err(|error| Problem::cannot_read(path, &error))?;
+        Ok(places.map(|places| Self {
+            path: path.to_owned(),
+            file: Mutex::new(file),
+            places,
+            first,
+        }))
+    }
+
+    /// The journals in a folder, with the number of the first episode of each.
+    pub fn files(folder: &Path) -> Result<Vec<(u64, PathBuf)>, Problem> {
+        let fail = |error: std::io::Error| Problem::cannot_read(folder, &error);
+        let mut found = Vec::new();
+        for entry in std::fs::read_dir(folder).map_err(fail)? {
+            let path = entry.map_err(fail)?.path();
+            let name = path.file_name().and_then(|name| name.to_str());
+            let first = match name {
+                Some("journal") => Some(1),
+                Some(name) => name.strip_prefix("journal-").and_then(|it| it.parse().ok()),
+                None => None,
+            };
+            found.extend(first.map(|first| (first, path)));
+        }
+        found.sort();
+        Ok(found)
+    }
+
+    /// The numbers of its episodes.
+    pub fn numbers(&self) -> Range<u64> {
+        self.first..self.first + self.count()
     }
 
     /// How many episodes it holds.

@@ -66,11 +66,10 @@ impl Tables {
     /// `tables-disagree` at a row which says of more or fewer trials that they were covered.
     pub(super) fn check_triggers(&self, study: &Study) -> Result<(), Problem> {
         for form in &study.forms.subjects {
-            let (Some(row), Some(condition)) = (self.own_row(&form.subject), condition(form))
-            else {
+            let (Some(row), Some(word)) = (self.own_row(&form.subject), word(study, form)) else {
                 continue;
             };
-            let Some(triggers) = self.came(study, condition)? else {
+            let Some(triggers) = self.came(study, &word)? else {
                 continue;
             };
             let counted = self.cohort_counts(study, form)?.unwrap_or_default();
@@ -86,7 +85,7 @@ impl Tables {
                 false => row.trials == came,
             };
             if !fits {
-                return Err(row.misfit(form, condition, came));
+                return Err(row.misfit(form, &word, came));
             }
         }
         Ok(())
@@ -114,12 +113,10 @@ impl Tables {
         }
     }
 
-    /// In how many attempts of each subject the proposition came to hold that is all of a condition, where the cohort counts it.
-    fn came(&self, study: &Study, condition: &FormText) -> Result<Option<Vec<Sample>>, Problem> {
-        let binding = reached(condition).and_then(|name| {
-            let known = study.vocabulary.propositions.get(&name)?;
-            known.column.as_ref()
-        });
+    /// In how many attempts of each subject a proposition came to hold, where the cohort counts it.
+    fn came(&self, study: &Study, word: &str) -> Result<Option<Vec<Sample>>, Problem> {
+        let known = study.vocabulary.propositions.get(word);
+        let binding = known.and_then(|it| it.column.as_ref());
         let (Some(cohort), Some(binding)) = (&self.cohort, binding) else {
             return Ok(None);
         };
@@ -145,13 +142,15 @@ impl Tables {
         let Some(cohort) = &self.cohort else {
             return Ok(None);
         };
-        let Some(condition) = condition(form) else {
+        let (condition, word) = (condition(form), word(study, form));
+        if condition.is_none() && word.is_none() {
             return Ok(None);
-        };
+        }
         let Some(counted) = self.cohort_counts(study, form)? else {
             return Ok(None);
         };
-        if let Some(triggers) = self.came(study, condition)? {
+        let triggers = word.as_ref().map(|word| self.came(study, word));
+        if let Some(triggers) = triggers.transpose()?.flatten() {
             let among = counted.iter().zip(&triggers);
             let is_more = |(one, trigger): (&Sample, &Sample)| one.successes > trigger.successes;
             let more = among.clone().filter(|it| is_more(*it)).count();
@@ -165,7 +164,7 @@ impl Tables {
                         counted[row].successes,
                         form.subject.in_words(),
                         triggers[row].successes,
-                        condition.text
+                        word.unwrap_or_default()
                     );
                     return Err(in_row(&cohort.table, row, "tables-disagree", message).remedy(
                         "correct the row; or, if one of the columns counts something else, name another column in vocabulary.toml",
@@ -193,7 +192,9 @@ impl Tables {
         let of_same = self.failure_modes.iter().find(|row| {
             let mode = study.forms.of(&Subject::FailureMode(row.mode.clone()));
             let opportunity = mode.and_then(|it| it.opportunity.as_ref());
-            opportunity.is_some_and(|it| is_same(it, condition))
+            opportunity
+                .zip(condition)
+                .is_some_and(|(it, condition)| is_same(it, condition))
         });
         let trials = of_same.map(|row| row.opportunities);
         let is_among = |trials: &u64| (count..attempts).contains(trials);
@@ -202,8 +203,7 @@ impl Tables {
 }
 
 impl OwnRow<'_> {
-    fn misfit(&self, form: &SubjectForm, condition: &FormText, came: u64) -> Problem {
-        let word = reached(condition).unwrap_or_default();
+    fn misfit(&self, form: &SubjectForm, word: &str, came: u64) -> Problem {
         let (trials, id) = (self.trials, form.subject.id());
         let (what, rule) = match self.several {
             true => (
@@ -225,7 +225,23 @@ impl OwnRow<'_> {
     }
 }
 
-/// What has to come for a trial to count.
+/// The proposition that has to come to hold for a trial to count, where it is one alone; a model need not have it.
+fn word(study: &Study, form: &SubjectForm) -> Option<String> {
+    if let Some(condition) = condition(form) {
+        return reached(condition);
+    }
+    let (Subject::Requirement(id), TriggerForm::Unknown(_)) = (&form.subject, &form.trigger) else {
+        return None;
+    };
+    let mut requirements = study.requirements.iter();
+    let own = requirements.find(|it| &it.id == id)?;
+    let words = own.trigger.as_deref()?.trim();
+    let word = words.strip_prefix("rise ").unwrap_or(words).trim();
+    let is_known = study.vocabulary.propositions.contains_key(word);
+    is_known.then(|| word.to_owned())
+}
+
+/// What has to come for a trial to count, as a question to a model.
 fn condition(form: &SubjectForm) -> Option<&FormText> {
     match (&form.subject, &form.trigger) {
         (Subject::FailureMode(_), _) => form.opportunity.as_ref(),

@@ -1,0 +1,137 @@
+//! `corroborate run --shard` and `corroborate merge`: a study's episodes on several machines.
+
+use super::{Done, Host, json, use_threads};
+use crate::args::{Format, Merge, Run};
+use corroborate::shard::{MergedCampaign, ShardOfCampaign};
+use corroborate::{Ended, MergeReport, MergeRequest, Outcome, ShardReport, ShardRequest};
+use diagnostic::{Problem, counted};
+use std::path::Path;
+
+/// Runs a shard.
+pub fn shard(arguments: &Run, of: (u64, u64), out: &Path, setting: &Host) -> Result<Done, Problem> {
+    use_threads(arguments.threads)?;
+    let request = ShardRequest {
+        only: arguments.only.clone(),
+        ..ShardRequest::new(&arguments.study, of, out)
+    };
+    let report = corroborate::shard(&request, setting)?;
+    Ok(Done {
+        output: match arguments.format {
+            Format::Json => json(&report)?,
+            Format::Text => of_shard(&report, &arguments.study, out),
+        },
+        outcome: Outcome::Holds,
+    })
+}
+
+fn of_shard(report: &ShardReport, study: &Path, out: &Path) -> String {
+    let lines = report.campaigns.iter().map(|it| format!("{}\n", ran(it)));
+    let lines: String = lines.collect();
+    format!(
+        "{lines}Shard {} of {} is in {out}\nNext, with all shards: corroborate merge {study} {out} ...\n",
+        report.shard,
+        report.of,
+        out = out.display(),
+        study = study.display()
+    )
+}
+
+/// What a shard ran of a campaign.
+fn ran(run: &ShardOfCampaign) -> String {
+    let id = &run.evidence;
+    if run.episodes == 0 {
+        return format!("{id}: no episodes fall to this shard");
+    }
+    let last = run.first + run.episodes - 1;
+    format!(
+        "{id}: episodes {} to {last} ({:.1} s)",
+        run.first, run.wall_secs
+    )
+}
+
+/// Takes over what shards have.
+pub fn merge(arguments: &Merge, setting: &Host) -> Result<Done, Problem> {
+    let request = MergeRequest {
+        out: arguments.out.clone(),
+        ..MergeRequest::new(&arguments.study, arguments.shards.clone())
+    };
+    let report = corroborate::merge(&request, setting)?;
+    Ok(Done {
+        output: match arguments.format {
+            Format::Json => json(&report)?,
+            Format::Text => of_merge(&report, &arguments.study),
+        },
+        outcome: report.outcome(),
+    })
+}
+
+fn of_merge(report: &MergeReport, study: &Path) -> String {
+    let mut text = String::new();
+    for campaign in &report.campaigns {
+        text.push_str(&format!("{}\n", took(campaign)));
+    }
+    let mut systems: Vec<&str> = report.shards.iter().map(|it| it.system.as_str()).collect();
+    systems.sort_unstable();
+    systems.dedup();
+    if systems.len() > 1 {
+        text.push_str(&format!(
+            "The shards come from different systems ({}): only episodes that several of them have show whether these compute alike.\n",
+            systems.join(", ")
+        ));
+    }
+    let costs = report.shards.iter().flat_map(|it| &it.campaigns);
+    let secs: f64 = costs.map(|it| it.wall_secs).sum();
+    text.push_str(&format!(
+        "{} took {secs:.1} s in all\n",
+        counted(report.shards.len() as u64, "shard")
+    ));
+    match report.outcome() {
+        Outcome::Holds => text + &format!("Next: corroborate run {}\n", study.display()),
+        _ => {
+            text + "Nothing is lost: merge again when the other shards are there, or let `corroborate run` simulate the rest\n"
+        }
+    }
+}
+
+/// What a campaign took over.
+fn took(campaign: &MergedCampaign) -> String {
+    let MergedCampaign {
+        evidence,
+        asked,
+        known,
+        taken,
+        repeated,
+        missing,
+        is_decided,
+    } = campaign;
+    let mut text = format!("{evidence}: {} taken over", counted(*taken, "episode"));
+    if *known > 0 {
+        text.push_str(&format!(", {known} were there before"));
+    }
+    if *repeated > 0 {
+        text.push_str(&format!("; {repeated} are in several shards, the same"));
+    }
+    match (missing, is_decided) {
+        (Some([first, last]), _) => text.push_str(&format!(
+            "; of {asked} MISSING from {first} on, up to {last} in no shard"
+        )),
+        (None, true) => text.push_str(&format!(
+            "; its stopping rule ends it there, of {asked} at most"
+        )),
+        (None, false) => text.push_str(&format!("; all {asked} are there")),
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_schemas_are_the_forms_that_are_printed() {
+        let shard: serde_json::Value = schemars::schema_for!(ShardReport).into();
+        crate::command::tests::assert_schema_is_committed("shard.schema.json", &shard);
+        let merge: serde_json::Value = schemars::schema_for!(MergeReport).into();
+        crate::command::tests::assert_schema_is_committed("merge.schema.json", &merge);
+    }
+}
