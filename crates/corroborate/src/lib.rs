@@ -73,7 +73,7 @@ pub mod shrink;
 pub mod simulate;
 pub mod technique;
 mod test_bench;
-mod verify;
+pub mod verify;
 pub mod watch;
 pub mod what_if;
 

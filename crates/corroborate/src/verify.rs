@@ -14,7 +14,8 @@
 //! changed to fit. So is a count of tables or of journals. With `--deep` formal models are solved and
 //! recordings judged again, too, and the diagnosis is made again: the same paths are sampled, the same
 //! episodes judged, the same suspects ranked. The map of where model and simulation part is searched
-//! again, by the outcomes in the journal of its episodes, and with `--deep` by running these. Findings of an exploration are those that
+//! again, by the outcomes in the journal of its episodes, and with `--deep` by running these. Kept recordings of a campaign are judged again then, and a
+//! sample of its episodes is run again (`technique/campaign/again.rs`). Findings of an exploration are those that
 //! it kept, and with `--deep` their scenarios are run again; a fit is the one that was kept. What is not derived again is listed as such. Nothing is written.
 
 mod audit;
@@ -35,6 +36,7 @@ use crate::corroboration::{self, Piece};
 use crate::results::{ASSURANCE, REPORT, RESULT, json, read_result};
 use crate::run::COMPARISON;
 use crate::technique::Techniques;
+use crate::technique::campaign::Sampled;
 use diagnostic::Problem;
 use evidence::StudyResult;
 use host::Host;
@@ -51,6 +53,10 @@ pub struct VerifyRequest {
     pub study: Option<PathBuf>,
     /// Also solves formal models, judges recordings, makes the diagnosis and runs a map's episodes again.
     pub deep: bool,
+    /// How many episodes of each simulation are then run again.
+    pub episodes: u64,
+    /// The number from which these are drawn: one that whoever made the results did not know.
+    pub draw: u64,
     /// Techniques that are not built in; by default none.
     pub techniques: Techniques,
 }
@@ -62,6 +68,8 @@ impl VerifyRequest {
             results: results.into(),
             study: None,
             deep: false,
+            episodes: EPISODES_AGAIN,
+            draw: 0,
             techniques: Techniques::default(),
         }
     }
@@ -86,7 +94,17 @@ impl VerifyRequest {
         self.deep = true;
         self
     }
+
+    /// With so many episodes of each simulation run again, drawn from this number.
+    #[must_use]
+    pub fn sampled(mut self, episodes: u64, draw: u64) -> Self {
+        (self.episodes, self.draw) = (episodes, draw);
+        self
+    }
 }
+
+/// Episodes of each simulation that are run again by a deep verification, unless another number is asked for.
+pub const EPISODES_AGAIN: u64 = 8;
 
 /// What [`plan`](crate::plan()) knows, and a verification does not.
 pub(crate) const INPUTS: &str =
@@ -109,7 +127,11 @@ pub fn verify(
     let claimed = read_result(&folder, results)?;
     let mut audit = Audit::default();
     assets(&study, &claimed, results, &mut audit);
-    let how = (&request.techniques, host, request.deep);
+    let sampled = Sampled {
+        episodes: request.episodes,
+        draw: request.draw,
+    };
+    let how = (&request.techniques, host, (request.deep, sampled));
     let pieces = kept::pieces(&study, results, &claimed, how, &mut audit)?;
     match pieces {
         Some(pieces) => {

@@ -46,8 +46,8 @@ mod _engine {
 
     #[pymodule_export]
     use super::studies::{
-        StudyOutcome, study_compare, study_open, study_pack, study_plan, study_replay,
-        study_result, study_run,
+        StudyOutcome, study_compare, study_merge, study_open, study_pack, study_plan, study_replay,
+        study_result, study_run, study_shard,
     };
     #[pymodule_export]
     use super::table::Table;

@@ -4,8 +4,8 @@ use crate::problem::{guarded, raised};
 use crate::table::{Column, Table};
 use crate::work::carried_out;
 use corroborate::{
-    CompareRequest, Ended, PackRequest, ReplayRequest, RunReport, RunRequest, Study,
-    results::results_folder,
+    CompareRequest, Ended, MergeRequest, PackRequest, ReplayRequest, RunReport, RunRequest,
+    ShardRequest, Study, results::results_folder,
 };
 use evidence::{Evidence, Finding, Guarantee, Measure, StudyResult, Subject};
 use host::Host;
@@ -110,6 +110,44 @@ pub(crate) fn study_run(
             Ok(Bound::new(py, result)?.into_any().unbind())
         }
     }
+}
+
+/// Runs a shard of a study's episodes: its report as a dictionary.
+#[pyfunction]
+pub(crate) fn study_shard(
+    py: Python<'_>,
+    asked: Asked,
+    shard: (u64, u64),
+    out: PathBuf,
+    surroundings: Surroundings,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Py<PyAny>> {
+    let request = ShardRequest {
+        only: asked.only,
+        ..ShardRequest::new(asked.folder, shard, out)
+    };
+    let report = carried_out(py, surroundings.host(), progress, |host| {
+        corroborate::shard(&request, host)
+    })?;
+    Ok(pythonize(py, &report)?.unbind())
+}
+
+/// Takes over the episodes of shards: the report of `corroborate merge --format json` as a dictionary.
+#[pyfunction]
+pub(crate) fn study_merge(
+    py: Python<'_>,
+    asked: Asked,
+    shards: Vec<PathBuf>,
+    surroundings: Surroundings,
+) -> PyResult<Py<PyAny>> {
+    let request = MergeRequest {
+        out: asked.out,
+        ..MergeRequest::new(asked.folder, shards)
+    };
+    let report = carried_out(py, surroundings.host(), None, |host| {
+        corroborate::merge(&request, host)
+    })?;
+    Ok(pythonize(py, &report)?.unbind())
 }
 
 /// The result of the last run, if it is of the files that the study has now.

@@ -203,3 +203,21 @@ def test_ctrl_c_ends_a_simulation_and_what_is_finished_is_kept(tmp_path):
     command = [sys.executable, "-c", textwrap.dedent(INTERRUPTED), str(HANDOVER), str(out)]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.stdout.strip() == "interrupted 1", done.stderr
+
+
+def test_shards_merge_to_what_one_machine_gives(tmp_path):
+    folder = tmp_path / "study"
+    shutil.copytree(pathlib.Path(__file__).parents[3] / "conformance/command", folder)
+    whole = Study(folder).run()
+    study = Study(folder, out=tmp_path / "merged")
+    for part in (1, 2):
+        report = study.shard(part, 2, tmp_path / f"part-{part}")
+        assert [it["episodes"] for it in report["campaigns"]] == [20]
+    assert study.merge(tmp_path / "part-2")["campaigns"][0]["missing"] == [1, 20]
+    merged = study.merge(tmp_path / "part-2", tmp_path / "part-1")
+    assert merged["campaigns"][0]["missing"] is None and merged["campaigns"][0]["taken"] == 40
+    assert study.run().data["evidence"] == whole.data["evidence"]
+    for shard, of in ((3, 2), (0, 2), (-1, 2), (1, 2**70)):
+        with pytest.raises(corroborate.Problem) as raised:
+            study.shard(shard, of, tmp_path / "other")
+        assert raised.value.code in ("bad-shard", "wrong-argument") and raised.value.remedy

@@ -38,6 +38,8 @@ Computes everything again from the kept evidence and the study's files: counts f
 journals of episodes, intervals, comparisons, conclusions, the report; and checks every hash.
 A map of disagreement is searched again by the journal of its episodes; for it alone models are
 solved. Nothing else is run, solved or simulated again, and nothing is written.
+With --deep recordings of episodes are judged again, and episodes that are drawn
+anew each time are run again: a journal that was changed does not pass for long.
 Of an evidence pack (`corroborate pack`) every byte, every part and the signature are checked.
 
 Examples:
@@ -56,10 +58,16 @@ pub struct Verify {
     /// How what was found is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Also solve formal models, judge recordings, make the diagnosis and run a map's episodes again, which takes as long
-    /// as at first.
+    /// Also solve formal models, judge recordings, make the diagnosis, and run a map's episodes and a sample of each simulation's again,
+    /// which may take as long as at first.
     #[arg(long)]
     pub deep: bool,
+    /// With --deep: how many episodes of each simulation are run again.
+    #[arg(long, value_name = "N", default_value_t = corroborate::verify::EPISODES_AGAIN, requires = "deep", conflicts_with = "key")]
+    pub episodes: u64,
+    /// With --deep: the number from which these episodes are drawn; another each time if left out, and said.
+    #[arg(long, value_name = "N", requires = "deep", conflicts_with = "key")]
+    pub draw: Option<u64>,
     /// The signer's public key in PEM, by which the signature of an evidence pack is verified.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["study", "deep"])]
     pub key: Option<PathBuf>,

@@ -63,7 +63,7 @@ const WIDTH: usize = 100;
 const INDENT: usize = 19;
 
 /// The arguments, or why they are none; or the help that they ask for.
-pub fn parsed(arguments: impl Iterator<Item = OsString>) -> Result<Arguments, clap::Error> {
+pub fn parsed(arguments: impl IntoIterator<Item = OsString>) -> Result<Arguments, clap::Error> {
     let matches = command().try_get_matches_from(arguments)?;
     Arguments::from_arg_matches(&matches)
 }

@@ -7,6 +7,7 @@ use crate::drawing::drawing;
 use corroborate::pack::{PackSignature, PackVerification};
 use corroborate::{Ended, VerifyReport, VerifyRequest};
 use diagnostic::{Problem, counted};
+use std::hash::{BuildHasher, Hasher};
 
 /// Verifies the results of a study.
 pub fn verify(arguments: &Verify, setting: &Host) -> Result<Done, Problem> {
@@ -26,6 +27,8 @@ pub fn verify(arguments: &Verify, setting: &Host) -> Result<Done, Problem> {
         results: arguments.results.clone(),
         study: arguments.study.clone(),
         deep: arguments.deep,
+        episodes: arguments.episodes,
+        draw: arguments.draw.unwrap_or_else(any_number),
     };
     let report = corroborate::verify(&request, setting, Some(&drawing()))?;
     Ok(Done {
@@ -35,6 +38,12 @@ pub fn verify(arguments: &Verify, setting: &Host) -> Result<Done, Problem> {
             Format::Text => text(&report),
         },
     })
+}
+
+/// A number that nobody knew before: hash maps are seeded with randomness of the system. Short enough to be given again.
+fn any_number() -> u64 {
+    let seeded = std::hash::RandomState::new().build_hasher().finish();
+    seeded % 1_000_000_000
 }
 
 /// Verifies an evidence pack.

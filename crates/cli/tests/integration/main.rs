@@ -33,6 +33,7 @@ mod faces;
 mod failing_programs;
 mod fault_trees;
 mod findings;
+mod forged_journals;
 mod fuzz_inputs;
 mod hostile_texts;
 mod init;

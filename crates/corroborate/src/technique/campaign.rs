@@ -6,6 +6,7 @@
 //! same at any number of threads. What is judged stands in a journal, so that an interrupted
 //! campaign goes on where it stopped.
 
+mod again;
 mod driver;
 mod ended;
 mod estimates;
@@ -24,6 +25,7 @@ mod took;
 mod until;
 mod watched;
 
+pub use again::{Again, Sampled, again};
 pub use driver::{Campaigning, Finished};
 pub use ended::{
     Ended, FailureCounts, ended, failure_of, in_words as failures_in_words, never_worked, stops,
@@ -35,7 +37,7 @@ pub use merged::{TakenOver, numbers_of};
 pub use mishaps::Mishaps;
 pub use online::OnLine;
 pub(crate) use ordered::in_order;
-pub use recount::{form_verdicts, records_judged_by, recount};
+pub use recount::{form_verdicts, journal_of, records_judged_by, recount};
 pub use tally::{Intervals, Tally, anytime, monitors};
 pub use until::{Until, parse as parse_until};
 

@@ -25,7 +25,7 @@ use super::Produced;
 use super::counted::CountedConstant;
 use super::files::Files;
 use crate::corroboration::Piece;
-use crate::technique::campaign::Until;
+use crate::technique::campaign::{Sampled, Until};
 use crate::verify::{Audit, same_values};
 use diagnostic::{Problem, did_you_mean};
 use episodes::Episodes;
@@ -138,6 +138,8 @@ pub struct Kept<'k> {
     pub before: &'k [Piece],
     /// Whether what takes as long as at first is derived again, too.
     pub deep: bool,
+    /// Which episodes are run again then.
+    pub sampled: Sampled,
 }
 
 impl Kept<'_> {

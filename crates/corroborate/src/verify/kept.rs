@@ -5,6 +5,7 @@ use super::{compare, sound};
 use crate::corroboration::{self, Piece};
 use crate::results::json;
 use crate::run::evidence_file;
+use crate::technique::campaign::Sampled;
 use crate::technique::model_checking::Compiled;
 use crate::technique::{Asked, Kept, Produced, Techniques, technique_of};
 use diagnostic::Problem;
@@ -20,7 +21,7 @@ pub fn pieces(
     study: &Study,
     results: &Path,
     claimed: &StudyResult,
-    (others, host, deep): (&Techniques, &Host, bool),
+    (others, host, (deep, sampled)): (&Techniques, &Host, (bool, Sampled)),
     audit: &mut Audit,
 ) -> Result<Option<Vec<Piece>>, Problem> {
     let mut pieces: Vec<Piece> = Vec::new();
@@ -38,6 +39,7 @@ pub fn pieces(
             results,
             before: &pieces,
             deep,
+            sampled,
         };
         let technique = technique_of(study, entry, others)?;
         if !(deep && technique.is_computed_again_when_deep()) {

@@ -166,6 +166,43 @@ class Study:
         found = _engine.study_run(self._asked(evidence), surroundings(), progress)
         return [Produced(it["evidence"]["id"], it["headline"], it["evidence"]) for it in found]
 
+    def shard(
+        self, shard: int, of: int, out: PathLike, *, only: Sequence[str] = (), progress: Progress = None
+    ) -> dict[str, Any]:
+        """Simulates the episodes of one shard alone, on this machine; :meth:`merge` puts shards together.
+
+        Args:
+            shard: which one, from 1.
+            of: of how many.
+            out: the folder of the shard; one that was interrupted is gone on with.
+            only: simulations of the ledger; all if there are none.
+            progress: as for :meth:`run`.
+
+        Returns:
+            What was run, as ``shard.json`` in the folder has it.
+
+        Raises:
+            Problem: ``bad-shard``, ``nothing-to-shard``, and all mistakes of the study's files.
+        """
+        named = _checked.path(out, "out", "a folder", "name the folder of the shard")
+        which = (_checked.whole(shard, "shard"), _checked.whole(of, "of"))
+        return _engine.study_shard(self._asked(only), which, named, surroundings(), progress)
+
+    def merge(self, *shards: PathLike) -> dict[str, Any]:
+        """Takes the episodes of shards over into the results, after which :meth:`run` simulates none of them again.
+
+        Args:
+            shards: folders that :meth:`shard` or ``corroborate run --shard`` wrote, in any order.
+
+        Returns:
+            By simulation what was taken over, and what is ``missing``.
+
+        Raises:
+            Problem: ``no-shard``, ``other-shard``, ``shards-differ``, ...
+        """
+        named = [_checked.path(it, "shards", "a folder", "name the folder of a shard") for it in shards]
+        return _engine.study_merge(self._asked(()), named, surroundings())
+
     def result(self) -> StudyResult:
         """The result of the last run.
 

@@ -75,6 +75,20 @@ impl Recorder for LeftEpisodes<'_> {
         Ok((record, false))
     }
 
+    fn judged_again(
+        &self,
+        bench: &Bench<'_>,
+        number: u64,
+    ) -> Result<Option<EpisodeRecord>, Problem> {
+        let path = bench.plan.recording(number);
+        if !path.exists() || words_of(bench.plan.folder, number).exists() {
+            return Ok(None);
+        }
+        let shown = self.judged(bench, &path, None)?;
+        let hash = hash_of_recording(&path)?;
+        Ok(Some(bench.record(number, shown, Some(hash))))
+    }
+
     fn tidy(&self, folder: &Path) {
         self.command.tidy(folder);
     }

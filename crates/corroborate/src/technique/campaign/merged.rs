@@ -64,7 +64,8 @@ impl Campaigning<'_> {
     /// `shards-differ`, `other-seed`, `other-recording`, and what cannot be read or written.
     pub fn take_over(&self, folders: &[PathBuf], wall_secs: f64) -> Result<TakenOver, Problem> {
         let main = Judges::new(self.study, |_| true)?;
-        let of_forms = judges(self.study, &forms_of(self.study))?;
+        let forms = forms_of(self.study);
+        let of_forms = judges(self.study, &forms)?;
         let bench = Bench {
             plan: self,
             recorder: recorder(self.rig, self.interrupt)?,

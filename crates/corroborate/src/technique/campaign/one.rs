@@ -26,6 +26,13 @@ pub(super) trait Recorder: Sync {
     /// An episode, and whether the processor time since its beginning is what it took.
     fn episode(&self, bench: &Bench<'_>, number: u64) -> Result<(EpisodeRecord, bool), Problem>;
 
+    /// What its recording in the campaign's folder says of an episode, judged anew; `None` if it is not whole. Nothing is run or written.
+    fn judged_again(
+        &self,
+        bench: &Bench<'_>,
+        number: u64,
+    ) -> Result<Option<EpisodeRecord>, Problem>;
+
     /// Removes what is no longer needed.
     fn tidy(&self, folder: &Path);
 }

@@ -96,6 +96,13 @@ pub fn records_judged_by(folder: &Path, judged_by: &str) -> Result<Vec<EpisodeRe
     }
 }
 
+/// The first `episodes` records of the journal in `folder`, whoever judged them, up to one that is damaged.
+pub fn journal_of(folder: &Path, episodes: u64) -> Result<Vec<EpisodeRecord>, Problem> {
+    let (mut found, _) = records(&folder.join("journal"))?;
+    found.truncate(usize::try_from(episodes).unwrap_or(usize::MAX));
+    Ok(found)
+}
+
 impl Recount {
     fn check_recording(&mut self, folder: &Path, name: &str, record: &EpisodeRecord) {
         let Some(hash) = &record.recording else {

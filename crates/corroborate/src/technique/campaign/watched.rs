@@ -29,19 +29,11 @@ impl Recorder for WatchedEpisodes<'_> {
 
     /// Read, if it was recorded, or run.
     fn episode(&self, bench: &Bench<'_>, number: u64) -> Result<(EpisodeRecord, bool), Problem> {
+        if let Some(record) = self.judged_again(bench, number)? {
+            return Ok((record, false));
+        }
         let path = bench.plan.recording(number);
         let seed = bench.plan.seeds.of(number);
-        if let Some(trace) = recorded(&path, seed) {
-            let shown = shown(
-                "complete",
-                Some(trace.end_secs().unwrap_or(0.0)),
-                &bench.main.judge(&trace)?,
-                &bench.of_forms.judge(&trace)?,
-            )
-            .with_mishaps(&trace);
-            let hash = hash_of_recording(&path)?;
-            return Ok((bench.record(number, shown, Some(hash)), false));
-        }
         let mut on_line = OnLine::new(
             &[&bench.main, &bench.of_forms],
             &self.layout,
@@ -79,6 +71,26 @@ impl Recorder for WatchedEpisodes<'_> {
             write_whole(&path, &bytes)?;
         }
         Ok((record, true))
+    }
+
+    fn judged_again(
+        &self,
+        bench: &Bench<'_>,
+        number: u64,
+    ) -> Result<Option<EpisodeRecord>, Problem> {
+        let path = bench.plan.recording(number);
+        let Some(trace) = recorded(&path, bench.plan.seeds.of(number)) else {
+            return Ok(None);
+        };
+        let shown = shown(
+            "complete",
+            Some(trace.end_secs().unwrap_or(0.0)),
+            &bench.main.judge(&trace)?,
+            &bench.of_forms.judge(&trace)?,
+        )
+        .with_mishaps(&trace);
+        let hash = hash_of_recording(&path)?;
+        Ok(Some(bench.record(number, shown, Some(hash))))
     }
 
     fn tidy(&self, _: &Path) {}

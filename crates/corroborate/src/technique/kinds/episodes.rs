@@ -3,7 +3,7 @@
 use super::{Asked, Kept, Prepared, Propositions, Technique, Working};
 use crate::rigs::Opening;
 use crate::technique::Produced;
-use crate::technique::campaign::{self, Intervals, recount};
+use crate::technique::campaign::{self, Intervals, Sampled, recount};
 use crate::technique::counted::CountedConstant;
 use crate::technique::files::Files;
 use crate::technique::simulation::Seeds;
@@ -89,9 +89,74 @@ impl Technique for Episodes<'_> {
         for (file, fault) in again.faults {
             audit.fault(Path::new(&file), "", fault);
         }
-        audit.not_checked(&format!("{}: episodes were not simulated again", entry.id));
+        match kept.deep {
+            true => self.run_again(asked, &folder, kept.sampled, audit),
+            false => {
+                audit.not_checked(&format!("{}: episodes were not simulated again", entry.id));
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Episodes<'_> {
+    /// Judges kept recordings again, and runs a sample of the episodes again.
+    fn run_again(
+        &self,
+        asked: Asked<'_>,
+        folder: &Path,
+        sampled: Sampled,
+        audit: &mut Audit,
+    ) -> Result<(), Problem> {
+        let Asked { study, entry, host } = asked;
+        let rig = match Opening::new(study, host).open(self.of) {
+            Ok(rig) => rig,
+            Err(problem) => {
+                let said = format!("{}: episodes were not simulated again: {problem}", entry.id);
+                audit.not_checked(&said);
+                return Ok(());
+            }
+        };
+        let records = campaign::journal_of(folder, self.count)?;
+        let of = (study, entry, rig.as_ref(), host);
+        let found = campaign::again(of, folder, &records, sampled)?;
+        audit.checked(
+            found.judged,
+            "recordings of episodes have the same verdicts, judged again",
+        );
+        audit.checked(
+            found.run,
+            "episodes came out the same, run again with their seeds",
+        );
+        for (number, fault) in &found.faults {
+            let place = format!("episode {number}");
+            audit.fault(&folder.join("journal"), &place, *fault);
+        }
+        if found.not_judged > 0 {
+            audit.not_checked(&format!(
+                "{}: {} of episodes that were cut short were not judged again",
+                entry.id,
+                diagnostic::counted(found.not_judged, "recording")
+            ));
+        }
+        let rest = (records.len() as u64).saturating_sub(sampled.episodes);
+        if rest > 0 {
+            audit.not_checked(&not_run(&entry.id, records.len() as u64, sampled));
+        }
         Ok(())
     }
+}
+
+/// What a sample of the episodes leaves open, and how probable it was to miss a change of a tenth of them.
+fn not_run(id: &str, episodes: u64, sampled: Sampled) -> String {
+    let (n, k) = (episodes as f64, sampled.episodes as f64);
+    let missed = (1.0 - k / n).powf((n / 10.0).ceil());
+    format!(
+        "{id}: {} of {episodes} episodes were not simulated again (drawn from {}; a change of a tenth of all would be met with a probability of at least {:.0} %)",
+        episodes - sampled.episodes,
+        sampled.draw,
+        (100.0 * (1.0 - missed)).floor()
+    )
 }
 
 impl Ready<'_> {
