@@ -19,6 +19,9 @@ fn main() {
         _ => version,
     };
     println!("cargo::rustc-env=CORROBORATE_BUILD={name}");
+    // On what kind of machine it computes: bits could differ between them.
+    let target = std::env::var("TARGET").expect("cargo sets it");
+    println!("cargo::rustc-env=CORROBORATE_TARGET={target}");
 }
 
 fn hash_of_sources(own: &Path, lock: &Path) -> u64 {

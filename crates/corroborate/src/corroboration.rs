@@ -170,6 +170,7 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
     }
     repeated::find(study, &mut evidence)?;
     copies::find(study, &mut evidence)?;
+    evidence::doubt_triggers(&mut evidence, &study.requirements);
     let levels = evidence::Levels::new(study.about.confidence, study.about.agreement)
         .map_err(|error| Problem::new("bad-level", error.to_string()))?
         .with_error_rates_of(study.about.verdicts.error_rate);

@@ -78,7 +78,7 @@ pub struct ShardReport {
     pub of: u64,
     /// The build of the program.
     pub build: String,
-    /// The system and the kind of processor.
+    /// The kind of processor and the system for which the program was built, as Rust calls them.
     pub system: String,
     /// What was run, in the order of the ledger.
     pub campaigns: Vec<ShardOfCampaign>,
@@ -188,7 +188,7 @@ pub fn shard(request: &ShardRequest, host: &Host) -> Result<ShardReport, Problem
         shard: request.shard,
         of: request.of,
         build: host.build.as_str().to_owned(),
-        system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+        system: env!("CORROBORATE_TARGET").to_owned(),
         campaigns,
     };
     let text = serde_json::to_vec_pretty(&report);

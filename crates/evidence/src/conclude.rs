@@ -178,7 +178,9 @@ impl<'a> Piece<'a> {
             .finding(&own)
             .or_else(|| evidence.finding(quantity))?;
         // A number over other runs than those that the requirement speaks of.
-        if matches!(finding.denominator, Denominator::OtherTrigger { .. }) {
+        if matches!(finding.denominator, Denominator::OtherTrigger { .. })
+            || finding.counts_untriggered()
+        {
             return None;
         }
         let counted = match &finding.measure {

@@ -12,7 +12,58 @@
 //! One figure has one condition, wherever it is shown.
 
 use crate::compare::words::percent;
-use crate::{Denominator, Finding, Measure, Subject};
+use crate::{Denominator, Evidence, Finding, Measure, Requirement, Subject};
+
+/// Counts of all attempts of a table that does not say which of them triggered a requirement are over all runs where other evidence under the
+/// same conditions has runs that do not trigger it. Without such evidence each attempt is taken to
+/// ([`Finding::takes_each_run_to_trigger`]).
+pub fn doubt_triggers(evidence: &mut [Evidence], requirements: &[Requirement]) {
+    for requirement in requirements {
+        let subject = Subject::Requirement(requirement.id.clone());
+        let trigger = requirement.trigger.as_deref();
+        let is_taken = |piece: &Evidence| {
+            let finding = piece.finding(&subject);
+            finding.is_some_and(|it| it.takes_each_run_to_trigger(trigger))
+        };
+        let taken: Vec<usize> = (0..evidence.len())
+            .filter(|it| is_taken(&evidence[*it]))
+            .collect();
+        for index in taken {
+            let others = evidence
+                .iter()
+                .filter(|it| it.conditions == evidence[index].conditions && !it.intermediate);
+            let doubt = others.filter_map(|other| doubt(other, &subject)).next();
+            let findings = evidence[index].findings.iter_mut();
+            let own = findings.filter(|it| it.subject == subject);
+            for (finding, reason) in own.zip(doubt) {
+                finding.denominator = Denominator::AllRuns { reason };
+            }
+        }
+    }
+}
+
+/// That some runs of a piece do not trigger the subject, in words.
+fn doubt(piece: &Evidence, subject: &Subject) -> Option<String> {
+    let trigger = piece.finding(subject)?.trigger.as_deref()?;
+    let most = match trigger {
+        Measure::Counts { count, trials, .. } if *trials > 0 => *count as f64 / *trials as f64,
+        Measure::Probability { answer, .. } => match answer.guarantee.over_schedulers() {
+            Some((_, high)) => high,
+            None => answer.value,
+        },
+        _ => return None,
+    };
+    (most < 1.0 - NEARLY_ALL).then(|| {
+        format!(
+            "its tables do not say which of them did, and {} of the runs of {} do",
+            share(trigger).unwrap_or_default(),
+            piece.id
+        )
+    })
+}
+
+/// A share of runs that is nearer to 1 may be rounding.
+const NEARLY_ALL: f64 = 1e-6;
 
 /// How people call what triggers a subject.
 struct Words {
@@ -85,6 +136,13 @@ impl Finding {
             && self.undecided == 0
             && self.denominator == Denominator::EveryRun
             && matches!(self.measure, Measure::Counts { .. })
+    }
+
+    /// Whether it counts runs of a requirement that did not trigger it, and are no trials of it, among those that did.
+    pub(crate) fn counts_untriggered(&self) -> bool {
+        matches!(self.subject, Subject::Requirement(_))
+            && matches!(self.measure, Measure::Counts { .. })
+            && matches!(self.denominator, Denominator::AllRuns { .. })
     }
 
     /// The condition in the words that stand behind a figure within a sentence; empty where every run counts.

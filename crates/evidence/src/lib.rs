@@ -55,6 +55,7 @@ pub use conclude::combined::{Combined, CommonBound, Model, Weights, combine};
 pub use conclude::coverage::coverage_gaps;
 pub use conclude::threshold::{Deciding, NotPlanned};
 pub use conclude::{AS_ALIKE, CERTAINTY, conclude, effective_size};
+pub use condition::doubt_triggers;
 pub use description::DescriptionGap;
 pub use diagnose::{
     CERTAIN, Cell, CellPlace, Clue, Contrast, Counted, Diagnosis, Effort, Exchanged,

@@ -15,7 +15,7 @@ pub fn study_folder() -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().map(folder)
 }
 
-/// The folder that is meant. Of the current folder, where it is no study, the nearest around it that is one: whoever stands in a
+/// The folder that is meant. Where the current folder has no `study.toml`, the nearest folder around it that has: whoever stands in a
 /// study's folder of models means the study.
 fn folder(named: OsString) -> PathBuf {
     let named = PathBuf::from(named);

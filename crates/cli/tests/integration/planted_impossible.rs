@@ -180,6 +180,19 @@ fn a_requirement_that_the_model_never_triggers_is_no_agreement() {
     let ledger = LEDGER.replace("tables.failure_modes = \"modes.csv\"\n", "");
     folder.write("ledger.toml", &ledger);
     folder.run();
+    // Nothing says that any of the carts was weighed.
+    let pair = folder.json("compare")["comparisons"][0].clone();
+    assert_eq!(pair["outcome"], "not-comparable", "{pair}");
+    assert_eq!(exit_code(&folder), 3);
+    let words = support::read(&folder.path().join("vocabulary.toml"));
+    let words = words.replace("[stuck]", "column = \"weighed\"\n[stuck]");
+    folder.write("vocabulary.toml", &words);
+    let carts = support::read(&folder.path().join("carts.csv"));
+    let carts = carts
+        .replace("attempts,", "attempts,weighed,")
+        .replace(",20,", ",20,18,");
+    folder.write("carts.csv", &carts);
+    folder.run();
     let pair = folder.json("compare")["comparisons"][0].clone();
     assert_eq!(pair["outcome"], "conflicts", "{pair}");
     assert_eq!(exit_code(&folder), 1);

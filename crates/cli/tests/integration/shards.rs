@@ -13,7 +13,7 @@ use support::{command_study, read, root, schema};
 const UNTIL: (&str, &str, &str) = (
     "ledger.toml",
     "episodes = 40",
-    "episodes = 40\nuntil = { requirement = \"stops\", threshold = 0.5, confidence = 0.9 }",
+    "episodes = 40\nuntil = { requirement = \"stops\", threshold = 0.2, confidence = 0.9 }",
 );
 
 /// All files of results but the costs and the marks of processes, with their content.

@@ -278,15 +278,17 @@ impl Tables {
     ) -> Result<Measure, Problem> {
         let level = confidence(study.about.confidence)?;
         if let (Some(triggering), Some(alike)) = (triggering, alike.as_deref_mut()) {
-            return match triggering {
-                _ if triggering.trials() == 0 => Ok(not_covered("No trial triggered it.")),
-                Triggering::BySubject(found) => alike.by_subject(form, found, level),
+            match triggering {
+                // All attempts are counted.
+                Triggering::Unknown { .. } => {}
+                _ if triggering.trials() == 0 => return Ok(not_covered("No trial triggered it.")),
+                Triggering::BySubject(found) => return alike.by_subject(form, found, level),
                 Triggering::Total(trials) => {
                     let found = self.cohort_counts(study, form)?.unwrap_or_default();
                     let count = found.iter().map(|it| it.successes).sum();
-                    alike.occurrences(form, &found, (count, *trials), level)
+                    return alike.occurrences(form, &found, (count, *trials), level);
                 }
-            };
+            }
         }
         let by_subject = self.cohort_counts(study, form)?;
         let (total, uncovered) = match &form.subject {
@@ -385,6 +387,11 @@ impl Tables {
     /// may have none in an attempt.
     fn denominator(&self, form: &SubjectForm, triggering: Option<&Triggering>) -> Denominator {
         let subject = &form.subject;
+        if let Some(Triggering::Unknown { reason, .. }) = triggering {
+            return Denominator::AllRuns {
+                reason: reason.clone(),
+            };
+        }
         if let Some(triggering) = triggering {
             return match Some(triggering.trials()) == self.attempts() {
                 true => Denominator::EveryRun,

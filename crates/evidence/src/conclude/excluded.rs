@@ -220,6 +220,15 @@ fn silence(finding: &Finding) -> ExclusionReason {
              runs: write the same in both in requirements.toml"
         ));
     }
+    if let Denominator::AllRuns { reason } = &finding.denominator
+        && finding.counts_untriggered()
+    {
+        return ExclusionReason::NoNumber(format!(
+            "it counts all attempts, whether or not they trigger the requirement ({}): count those that do, by a row of \
+             `tables.requirements` or a column of what triggers it",
+            reason.trim_end_matches('.')
+        ));
+    }
     match &finding.measure {
         Measure::NotExpressible { reason } => ExclusionReason::NotExpressible(reason.clone()),
         Measure::NotCovered { reason } => ExclusionReason::NotCovered(reason.clone()),

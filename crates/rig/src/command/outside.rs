@@ -169,7 +169,12 @@ impl OutsideCommand {
 
     /// The name of an episode's recording.
     pub fn recording_name(&self, number: u64) -> String {
-        match self.leaves.as_str() {
+        Self::name_of_recording(&self.leaves, number)
+    }
+
+    /// The same of a command that leaves such recordings.
+    pub fn name_of_recording(leaves: &str, number: u64) -> String {
+        match leaves {
             "" => format!("episode-{number:05}"),
             extension => format!("episode-{number:05}.{extension}"),
         }

@@ -26,7 +26,8 @@ use judging::forms::differences::{forms_of, judges};
 use rig::Rig;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use study::{Entry, Keep, Study};
 
 /// Which episodes of each campaign are run again.
@@ -61,10 +62,7 @@ pub fn again(
     records: &[EpisodeRecord],
     sampled: Sampled,
 ) -> Result<Again, Problem> {
-    let scratch = tempfile::Builder::new()
-        .prefix("corroborate-again-")
-        .tempdir_in(&host.scratch)
-        .map_err(|error| Problem::cannot_write(&host.scratch, &error))?;
+    let scratch = Scratch::below(&host.scratch)?;
     let title = format!("{}: episodes again", entry.id);
     let drawn = drawn(records.len() as u64, &entry.id, sampled);
     let stage = host
@@ -85,11 +83,32 @@ pub fn again(
         interrupt: &host.cancel,
         stage: &stage,
     };
-    let (kept, fresh) = (plan(folder, Keep::All), plan(scratch.path(), Keep::All));
+    let (kept, fresh) = (plan(folder, Keep::All), plan(&scratch.0, Keep::All));
     let mut found = Again::default();
     kept.judged_again(records, &mut found)?;
     fresh.run_again(records, &drawn, &mut found)?;
     Ok(found)
+}
+
+/// A folder that goes away with it.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn below(folder: &Path) -> Result<Self, Problem> {
+        static FOLDERS: AtomicU64 = AtomicU64::new(0);
+        let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
+        let name = format!("corroborate-again-{}-{number}", std::process::id());
+        let path = folder.join(name);
+        // One that is there is of a process that was killed, or somebody else's.
+        std::fs::create_dir(&path).map_err(|error| Problem::cannot_write(&path, &error))?;
+        Ok(Self(path))
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        _ = std::fs::remove_dir_all(&self.0);
+    }
 }
 
 /// Places of the records that are drawn, each once, in order.

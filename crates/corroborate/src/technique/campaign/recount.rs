@@ -26,9 +26,10 @@ pub struct Recount {
 /// Counts the episodes that are kept in `folder`; `None` if it holds no journal.
 ///
 /// At most `episodes` are counted. Where a stopping rule may have ended the campaign earlier, the
-/// first of them that give the `claimed` findings are, so that episodes behind do not matter.
+/// first of them that give the `claimed` findings are, so that episodes behind do not matter. `own_name` is that of a recording that is not
+/// there.
 pub fn recount(
-    study: &Study,
+    (study, own_name): (&Study, &dyn Fn(u64) -> String),
     folder: &Path,
     episodes: u64,
     intervals: Intervals,
@@ -56,7 +57,7 @@ pub fn recount(
         .iter()
         .take(usize::try_from(episodes).unwrap_or(usize::MAX))
     {
-        let name = name_of(&names, record.number);
+        let name = name_of(&names, record.number, own_name);
         recount.check_recording(folder, &name, record);
         let verdicts: Vec<_> = record.judged.iter().map(|judged| judged.verdict).collect();
         tally.add(&name, &verdicts);
@@ -146,8 +147,8 @@ fn recording_names(folder: &Path) -> Result<Vec<String>, Problem> {
     Ok(names)
 }
 
-/// The name of an episode's recording: as it is there, or as this program's own would be.
-fn name_of(names: &[String], number: u64) -> String {
+/// The name of an episode's recording: as it is there, or as it would be.
+fn name_of(names: &[String], number: u64, own_name: &dyn Fn(u64) -> String) -> String {
     let stem = format!("episode-{number:05}");
     let is_of_it = |name: &&String| {
         let rest = name.strip_prefix(&stem);
@@ -155,5 +156,5 @@ fn name_of(names: &[String], number: u64) -> String {
     };
     let found = names[names.partition_point(|name| name < &stem)..].first();
     let found = found.filter(is_of_it).cloned();
-    found.unwrap_or_else(|| rig::episode_name(number))
+    found.unwrap_or_else(|| own_name(number))
 }

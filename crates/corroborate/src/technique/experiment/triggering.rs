@@ -5,9 +5,11 @@
 //! attempts in which it did:
 //!
 //! * by subject, where the proposition has a column of the cohort and no subject has more successes (or failures) than that:
-//!   then the one was counted among the other. A row of the failure mode's own with the same opportunities in all says nothing else. Where
-//!   fewer than half of the subjects have more of the one, their rows contradict the others, and are refused;
-//! * in all, where a failure mode of the same opportunity has a row with its opportunities.
+//!   then the one was counted among the other. A row of the failure mode's own with the same opportunities in all says nothing else;
+//! * in all, where a failure mode of the same opportunity has a row with its opportunities, and no more successes are counted.
+//!
+//! Where more are counted than triggered it, they were not counted among these, or a row is wrong: how many of those that triggered it
+//! succeeded is not known, and the counts are over all attempts.
 //!
 //! A row of the subject's own says in how many it was. Where the cohort has a column of the proposition, too, both must fit: a
 //! requirement is covered, with or without a verdict, in just the attempts in which the proposition came to hold, and a failure mode has an
@@ -22,11 +24,11 @@
 //! An attempt triggers it at most once.
 //!
 //! # Guarantee
-//! Counts are those of the tables. A success column that counts more attempts than the trigger's is not taken for one among the
-//! trigger's.
+//! Counts are those of the tables. A success column that counts more attempts than the trigger's in any row is not taken for one among the
+//! trigger's, and then decides nothing ([`Triggering::Unknown`]).
 
+use super::Tables;
 use super::placed::RowPlace;
-use super::{Tables, in_row};
 use diagnostic::Problem;
 use evidence::Subject;
 use stats::Sample;
@@ -38,6 +40,8 @@ pub(super) enum Triggering {
     BySubject(Vec<Sample>),
     /// Trials in all.
     Total(u64),
+    /// Which of the attempts did is not known, though so many came: why.
+    Unknown { came: u64, reason: String },
 }
 
 impl Triggering {
@@ -46,6 +50,7 @@ impl Triggering {
         match self {
             Self::BySubject(found) => found.iter().map(|it| it.trials).sum(),
             Self::Total(trials) => *trials,
+            Self::Unknown { came, .. } => *came,
         }
     }
 }
@@ -129,7 +134,7 @@ impl Tables {
     /// In which trials of the cohort it was triggered; `None` where the tables have a row of its own that says otherwise, or do not say it.
     ///
     /// # Errors
-    /// `tables-disagree` at a row with more successes than trials, where the others have fewer.
+    /// Columns that are none of counts.
     pub(super) fn triggering(
         &self,
         study: &Study,
@@ -151,54 +156,63 @@ impl Tables {
         };
         let triggers = word.as_ref().map(|word| self.came(study, word));
         if let Some(triggers) = triggers.transpose()?.flatten() {
-            let among = counted.iter().zip(&triggers);
-            let is_more = |(one, trigger): (&Sample, &Sample)| one.successes > trigger.successes;
-            let more = among.clone().filter(|it| is_more(*it)).count();
-            // A column that counts other attempts, too, has more in most rows.
-            let of_others = 2 * more >= counted.len();
-            let first = among.clone().position(is_more);
-            match first {
-                Some(row) if !of_others => {
-                    let message = format!(
-                        "{} are counted for {} in this row, of {} in which {} came: there are at most as many",
-                        counted[row].successes,
-                        form.subject.in_words(),
-                        triggers[row].successes,
-                        word.unwrap_or_default()
-                    );
-                    return Err(in_row(&cohort.table, row, "tables-disagree", message).remedy(
-                        "correct the row; or, if one of the columns counts something else, name another column in vocabulary.toml",
-                    ));
-                }
-                Some(_) => {}
-                None => {
-                    let among = among.map(|(counted, trigger)| Sample {
-                        successes: counted.successes,
-                        trials: trigger.successes,
-                    });
-                    let among: Vec<Sample> = among.collect();
+            let more = counted.iter().zip(&triggers);
+            let more = more.filter(|(one, trigger)| one.successes > trigger.successes);
+            match (more.count(), own) {
+                (0, own) => {
+                    let among = among(&counted, &triggers);
                     let trials = among.iter().map(|it| it.trials).sum::<u64>();
                     if own.is_none_or(|own| own == trials) {
                         return Ok(Some(Triggering::BySubject(among)));
                     }
                 }
+                (more, None) => {
+                    return Ok(Some(Triggering::Unknown {
+                        came: triggers.iter().map(|it| it.successes).sum(),
+                        reason: format!(
+                            "in {more} of the {} rows of {} more are counted than triggered it, so that they are not counted among those",
+                            counted.len(),
+                            cohort.table.name()
+                        ),
+                    }));
+                }
+                (_, Some(_)) => {}
             }
         }
-        if own.is_some() {
-            return Ok(None);
+        match own {
+            Some(_) => Ok(None),
+            None => Ok(self.in_all(study, condition, &counted)),
         }
+    }
+
+    /// By the opportunities of a failure mode that are the same.
+    fn in_all(
+        &self,
+        study: &Study,
+        condition: Option<&FormText>,
+        counted: &[Sample],
+    ) -> Option<Triggering> {
+        let condition = condition?;
         let count: u64 = counted.iter().map(|it| it.successes).sum();
-        let attempts: u64 = cohort.attempts.iter().sum();
-        let of_same = self.failure_modes.iter().find(|row| {
+        let attempts = self.attempts()?;
+        let row = self.failure_modes.iter().find(|row| {
             let mode = study.forms.of(&Subject::FailureMode(row.mode.clone()));
             let opportunity = mode.and_then(|it| it.opportunity.as_ref());
-            opportunity
-                .zip(condition)
-                .is_some_and(|(it, condition)| is_same(it, condition))
-        });
-        let trials = of_same.map(|row| row.opportunities);
-        let is_among = |trials: &u64| (count..attempts).contains(trials);
-        Ok(trials.filter(is_among).map(Triggering::Total))
+            opportunity.is_some_and(|it| is_same(it, condition))
+        })?;
+        let came = row.opportunities;
+        // A trial may have several opportunities, which say nothing of how many trials have one.
+        match (count..attempts).contains(&came) {
+            true => Some(Triggering::Total(came)),
+            false if came < count => Some(Triggering::Unknown {
+                came,
+                reason: format!(
+                    "{came} triggered it by the opportunities of {}, and {count} are counted, so that they are not counted among those",
+                    row.mode
+                ),
+            }),
+            false => None,
+        }
     }
 }
 
@@ -223,6 +237,16 @@ impl OwnRow<'_> {
              requirements.toml"
         ))
     }
+}
+
+/// What was counted of each subject among the attempts that triggered it.
+fn among(counted: &[Sample], triggers: &[Sample]) -> Vec<Sample> {
+    let pairs = counted.iter().zip(triggers);
+    let among = pairs.map(|(counted, trigger)| Sample {
+        successes: counted.successes,
+        trials: trigger.successes,
+    });
+    among.collect()
 }
 
 /// The proposition that has to come to hold for a trial to count, where it is one alone; a model need not have it.

@@ -11,7 +11,7 @@ use crate::verify::{Audit, check_intervals, same_values};
 use diagnostic::Problem;
 use evidence::AssetRole;
 use host::store::{Inputs, is_stage_of};
-use rig::Rig;
+use rig::{OutsideCommand, Rig};
 use std::path::Path;
 use study::Simulated;
 
@@ -63,11 +63,24 @@ impl Technique for Episodes<'_> {
         let (study, entry, produced) = (asked.study, asked.entry, kept.produced);
         check_intervals(study, kept.path, produced, audit)?;
         let folder = kept.results.join("episodes").join(&entry.id);
+        let own_name = |number: u64| match self.of {
+            Simulated::Command(command) => {
+                OutsideCommand::name_of_recording(&command.leaves, number)
+            }
+            Simulated::Handover { .. } | Simulated::Scene { .. } => rig::episode_name(number),
+        };
         let how = match entry.sampling.until {
             Some(_) => Intervals::Anytime,
             None => Intervals::Fixed,
         };
-        let Some(again) = recount(study, &folder, self.count, how, &produced.findings)? else {
+        let Some(again) = recount(
+            (study, &own_name),
+            &folder,
+            self.count,
+            how,
+            &produced.findings,
+        )?
+        else {
             audit.not_checked(&format!(
                 "{}: there is no journal of its episodes, so its counts were not counted again",
                 entry.id
