@@ -3,7 +3,7 @@
 Usage: sacm.py METAMODEL FILE...
 
 METAMODEL is a folder with the metamodel's five packages (base, terminology, artifact, argumentation, assurancecase) as
-`NAME.ecore`: the folder `org.eclipse.acme.sacm/model` of the repository SystemsAssuranceGroup/SACM. It is not part of ours.
+`NAME.ecore`, as `tools/sacm` fetches them. It is not part of ours.
 """
 
 import sys

@@ -469,7 +469,7 @@ fn the_arguments_in_sacm_are_whole() {
 }
 
 #[test]
-#[ignore = "needs python3 with pyecore in PATH, and the metamodel's folder in CORROBORATE_SACM"]
+#[ignore = "needs python3 with pyecore in PATH, and the metamodel's folder (tools/sacm) in CORROBORATE_SACM"]
 fn the_metamodel_of_sacm_takes_the_arguments() {
     let study = ran();
     assert_eq!(study.run(&["assure", "study"]).code, 0);
