@@ -379,10 +379,7 @@ pub fn new_key(file: &Path, seed: [u8; 32]) -> Result<NewKey, Problem> {
 fn write_new(path: &Path, text: &str, is_secret: bool) -> Result<(), Problem> {
     let mut options = std::fs::OpenOptions::new();
     options.write(true).create_new(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, if is_secret { 0o600 } else { 0o644 });
-    #[cfg(not(unix))]
-    let _ = is_secret;
+    host::system::set_owner(&mut options, is_secret);
     let opened = options.open(path).and_then(|mut file| {
         let written = file
             .write_all(text.as_bytes())

@@ -1,5 +1,6 @@
 //! Files as the engine reads and writes them: texts whole and in UTF-8, results whole or not at all.
 
+use crate::system::is_named;
 use diagnostic::{Problem, Source};
 use std::borrow::Cow;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -287,22 +288,6 @@ impl Drop for Lock {
             let _ = std::fs::remove_file(&self.path);
         }
     }
-}
-
-/// Whether the path still names this file.
-#[cfg(unix)]
-fn is_named(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    match (file.metadata(), std::fs::metadata(path)) {
-        (Ok(own), Ok(named)) => (own.dev(), own.ino()) == (named.dev(), named.ino()),
-        _ => false,
-    }
-}
-
-/// Nothing removes it here.
-#[cfg(not(unix))]
-fn is_named(_: &File, _: &Path) -> bool {
-    true
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ pub mod events;
 pub mod files;
 mod memory;
 pub mod store;
+pub mod system;
 
 pub use diagnostic::Cancel;
 pub use events::{Event, Events, Stage};

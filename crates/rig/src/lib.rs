@@ -1,12 +1,8 @@
 #![doc = include_str!("../README.md")]
 
-#[cfg(not(unix))]
-compile_error!(
-    "this crate starts programs in groups of processes and ends them by signals, which it has for Unix alone: build it on Linux or macOS, or in WSL"
-);
-
 mod asset;
 mod command;
+mod group;
 mod handover;
 mod parameters;
 mod place;

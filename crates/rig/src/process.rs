@@ -3,13 +3,13 @@
 //! Simulated time stands still while it thinks; only here does a clock of the
 //! real world run, so that a controller that hangs is ended and said to hang.
 
-use super::processor::Counted;
+use crate::group::Group;
+use crate::processor::Counted;
 use std::collections::VecDeque;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{ChildStdin, Command, ExitStatus, Stdio};
+use std::process::{ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -34,7 +34,7 @@ pub type Said = Arc<Mutex<VecDeque<String>>>;
 /// A running controller.
 pub struct Process {
     name: String,
-    child: Counted,
+    group: Counted,
     input: Option<ChildStdin>,
     answers: Receiver<Result<String, String>>,
     said: Said,
@@ -63,19 +63,15 @@ impl Process {
             .current_dir(folder)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            // Ctrl-C is for us; what we end ends its controllers.
-            .process_group(0);
+            .stderr(Stdio::piped());
         if let Some(path) = python_path {
             prepared.env("PYTHONPATH", path);
         }
         // Whatever else a controller hashes or prints, it does the same each time.
         prepared.env("PYTHONHASHSEED", "0");
-        let mut child = prepared
-            .spawn()
+        let mut group = Group::start(prepared)
             .map_err(|error| format!("`{name}` cannot be started: {error}"))?;
-        let (input, output, errors) =
-            (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let (input, output, errors) = (group.input(), group.output(), group.errors());
         let (sender, answers) = sync_channel(1);
         let said = Said::default();
         let mut listeners = Vec::new();
@@ -95,7 +91,7 @@ impl Process {
         }
         Ok(Self {
             name,
-            child: Counted::new(child),
+            group: Counted(group),
             input,
             answers,
             said,
@@ -107,7 +103,7 @@ impl Process {
     /// Why no answer came, with how the process ended and what it said last.
     fn lost(&mut self, what: &str) -> String {
         // A process that has just closed its output is about to end.
-        let status = self.wait(GRACE);
+        let status = self.group.wait(GRACE);
         let ended = match status {
             Some(status) => format!("it ended with {status}"),
             None => "it still runs and is ended".to_owned(),
@@ -124,23 +120,6 @@ impl Process {
     /// The last lines of its error output, indented.
     fn last_lines(&self) -> String {
         indented(&self.said)
-    }
-
-    /// Waits for its end for a while.
-    fn wait(&mut self, longest: Duration) -> Option<ExitStatus> {
-        const PAUSE: Duration = Duration::from_millis(5);
-        let mut waited = Duration::ZERO;
-        loop {
-            let status = self.child.ended();
-            if status.is_some() {
-                return status;
-            }
-            if waited >= longest {
-                return None;
-            }
-            std::thread::sleep(PAUSE);
-            waited += PAUSE;
-        }
     }
 }
 
@@ -175,10 +154,10 @@ impl LockStep for Process {
 impl Drop for Process {
     fn drop(&mut self) {
         self.input = None;
-        if self.wait(GRACE).is_none() {
-            self.child.kill();
+        if self.group.wait(GRACE).is_none() {
+            self.group.kill();
         }
-        // A grandchild may hold the pipes open: then the listeners are left behind.
+        // What it has left behind may hold the pipes open: then the listeners are left behind.
         self.listeners.retain(|listener| !listener.is_finished());
     }
 }
@@ -258,13 +237,14 @@ mod tests {
 
     #[test]
     fn the_time_of_a_program_counts_as_that_of_the_thread() {
-        let before = processor::used_secs();
+        let used_secs = || processor::used_secs().expect("Unix tells");
+        let before = used_secs();
         let work = "i=0; while [ $i -lt 200000 ]; do i=$((i+1)); done; read line; echo done";
         let mut working = start(work, Duration::from_secs(600));
         working.exchange("go").unwrap();
-        let thread_secs = processor::used_secs() - before;
+        let thread_secs = used_secs() - before;
         drop(working);
-        let secs = processor::used_secs() - before;
+        let secs = used_secs() - before;
         // A shell needs a tenth of a second or so; what this thread does, hardly anything.
         assert!(
             secs > thread_secs + 0.02,
@@ -280,7 +260,7 @@ mod tests {
             panic!("{lost:?}");
         };
         assert!(error.contains("no answer within 0.05 s"), "{error}");
-        let id = hanging.child.id();
+        let id = hanging.group.id();
         drop(hanging);
         assert!(!Path::new(&format!("/proc/{id}")).exists());
     }

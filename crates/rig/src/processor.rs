@@ -4,8 +4,9 @@
 //! thread's own time does. The system keeps it for each process, with that of the children whose end it
 //! has seen, and forgets it when we are told of the process's end: it is read before that.
 
+use crate::group::Group;
 use std::cell::Cell;
-use std::process::{Child, ExitStatus};
+use std::ops::{Deref, DerefMut};
 
 /// What `/proc` counts processor time in: `USER_HZ`, which is 100 on every Linux of x86-64 and ARM.
 const TICKS_PER_SEC: f64 = 100.0;
@@ -15,66 +16,49 @@ thread_local! {
     static OF_PROCESSES: Cell<f64> = const { Cell::new(0.0) };
 }
 
-/// Processor seconds of this thread, and of the processes whose end it has waited for.
-pub fn used_secs() -> f64 {
+/// Processor seconds of this thread, and of the processes whose end it has waited for; `None` where the system is not asked.
+pub fn used_secs() -> Option<f64> {
+    Some(of_thread()? + OF_PROCESSES.get())
+}
+
+#[cfg(unix)]
+fn of_thread() -> Option<f64> {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    let own_secs = time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9;
-    own_secs + OF_PROCESSES.get()
+    Some(time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9)
 }
 
-/// A process of ours, whose processor time counts for the thread that drops it. Programs that were started elsewhere, and
+/// Elsewhere a thread's time cannot be had without unsafe code of ours.
+#[cfg(not(unix))]
+fn of_thread() -> Option<f64> {
+    None
+}
+
+/// A program of ours, whose processor time counts for the thread that drops it. Programs that were started elsewhere, and
 /// children whose end nobody has waited for, do not count: the system does not tell.
-pub struct Counted {
-    child: Child,
-    /// Its processor time, as it was last seen.
-    secs: Option<f64>,
-    /// How it ended, once it has.
-    status: Option<ExitStatus>,
+pub(crate) struct Counted(pub(crate) Group);
+
+impl Deref for Counted {
+    type Target = Group;
+
+    fn deref(&self) -> &Group {
+        &self.0
+    }
 }
 
-impl Counted {
-    /// Counts a process from its start on.
-    pub fn new(child: Child) -> Self {
-        Self {
-            child,
-            secs: None,
-            status: None,
-        }
-    }
-
-    /// Its number, which may be another's once it has ended.
-    pub fn id(&self) -> u32 {
-        self.child.id()
-    }
-
-    /// How it ended, if it did.
-    pub fn ended(&mut self) -> Option<ExitStatus> {
-        if self.status.is_none() {
-            // Once its end is known its time is not, and its number may be another's.
-            self.secs = of_process(self.child.id()).or(self.secs);
-            self.status = self.child.try_wait().unwrap_or_default();
-        }
-        self.status
-    }
-
-    /// Kills it, and waits for its end.
-    pub fn kill(&mut self) {
-        if self.ended().is_none() {
-            // If it cannot be killed it has ended in the meantime.
-            let _ = self.child.kill();
-            self.status = self.child.wait().ok();
-        }
+impl DerefMut for Counted {
+    fn deref_mut(&mut self) -> &mut Group {
+        &mut self.0
     }
 }
 
 impl Drop for Counted {
     fn drop(&mut self) {
-        OF_PROCESSES.set(OF_PROCESSES.get() + self.secs.unwrap_or(0.0));
+        OF_PROCESSES.set(OF_PROCESSES.get() + self.0.processor_secs());
     }
 }
 
-/// Processor seconds of a process and its ended children so far; `None` if the system does not tell.
-fn of_process(id: u32) -> Option<f64> {
+/// Processor seconds of a process and its ended children so far; `None` if the system does not tell, as all but Linux.
+pub(crate) fn of_process(id: u32) -> Option<f64> {
     let text = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
     ticks(&text).map(|ticks| ticks as f64 / TICKS_PER_SEC)
 }
@@ -101,6 +85,9 @@ mod tests {
         let stat = "7 (a ) b) S 1 7 7 0 -1 4194304 10 20 30 40 12 3 40 5 20 0 1 0 99 1 2";
         assert_eq!(ticks(stat), Some(60));
         assert_eq!(ticks("7 (a"), None);
-        assert!(of_process(std::process::id()).is_some());
+        assert_eq!(
+            of_process(std::process::id()).is_some(),
+            cfg!(target_os = "linux")
+        );
     }
 }

@@ -1,10 +1,10 @@
 //! What is around the program: whether other programs answer, and whether the network takes messages to many.
 
 use crate::command::once;
+use crate::group::Group;
 use host::Cancel;
 use std::ffi::OsStr;
 use std::net::{Ipv4Addr, UdpSocket};
-use std::os::unix::process::CommandExt;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -25,16 +25,14 @@ pub fn first_line(words: &[&str], python_path: Option<&OsStr>) -> Result<String,
         .args(arguments)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        // Whatever it starts is ended with it.
-        .process_group(0);
+        .stderr(Stdio::null());
     if let Some(path) = python_path {
         command.env("PYTHONPATH", path);
     }
-    let child = command
-        .spawn()
-        .map_err(|error| format!("`{program}` cannot be started: {error}"))?;
-    once::output_of(child, ANSWER, &Cancel::default())
+    // Whatever it starts is ended with it.
+    let group =
+        Group::start(command).map_err(|error| format!("`{program}` cannot be started: {error}"))?;
+    once::output_of(group, ANSWER, &Cancel::default())
 }
 
 /// Whether this machine joins the group by which participants of DDS find each other.

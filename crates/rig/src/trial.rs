@@ -8,15 +8,15 @@
 //! | ends with code 0 | passed |
 //! | ends with the code that was named for it (77, as in Automake and CTest) | not applicable |
 //! | ends with 126 or 127 (a shell cannot run it or does not find it), or 129 to 192 (a shell reports a signal) | error |
-//! | is ended by a signal, or is not done within the limit of real time | error |
+//! | is ended by a signal (on Windows: an exception), or is not done within the limit of real time | error |
 //! | ends with any other code | failed |
 //!
 //! A command that cannot be started at all is a mistake of the call and not an outcome. What it prints is kept.
 
 use crate::command::once;
+use crate::group;
 use diagnostic::Problem;
 use host::Cancel;
-use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
 use std::time::Duration;
@@ -95,9 +95,11 @@ impl TrialCommand {
     }
 
     fn end(&self, status: ExitStatus) -> TrialEnd {
+        if let Some(what) = group::crash(status) {
+            return TrialEnd::Error(format!("ended by {what}"));
+        }
         let Some(code) = status.code() else {
-            let signal = status.signal().unwrap_or_default();
-            return TrialEnd::Error(format!("ended by signal {signal}"));
+            return TrialEnd::Error(format!("ended with {status}"));
         };
         match code {
             0 => TrialEnd::Passed,

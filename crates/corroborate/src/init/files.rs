@@ -90,7 +90,7 @@ fn copied(source: &Path, path: &Path) -> std::io::Result<()> {
 
 fn linked(source: &Path, path: &Path) -> std::io::Result<()> {
     make_parent(path)?;
-    std::os::unix::fs::symlink(source, path)
+    host::system::link(source, path)
 }
 
 fn make_parent(path: &Path) -> std::io::Result<()> {

@@ -118,13 +118,13 @@ pub(super) fn read(socket: &mut Socket) -> Result<Option<Message>, Error> {
 
 /// Many servers send small messages only when the one before was acknowledged, and the system waits up to 40 ms with
 /// that. The wish holds for a while only, so it is repeated. If it cannot be had, messages merely come later.
-#[cfg(any(target_os = "linux", target_os = "android"))]
+#[cfg(target_os = "linux")]
 fn acknowledge_at_once(stream: &TcpStream) {
     let _ = rustix::net::sockopt::set_tcp_quickack(stream, true);
 }
 
 /// Other systems have no such wish.
-#[cfg(not(any(target_os = "linux", target_os = "android")))]
+#[cfg(not(target_os = "linux"))]
 fn acknowledge_at_once(_stream: &TcpStream) {}
 
 fn waits(kind: ErrorKind) -> bool {

@@ -1,16 +1,14 @@
 //! A process for each episode.
 
+use crate::group::{Group, LOOK, Request};
 use diagnostic::Problem;
 use host::Cancel;
 use std::fs::File;
 use std::io::Read;
-use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// How often a running command is looked at.
-pub(crate) const LOOK: Duration = Duration::from_millis(5);
 /// How long a command has to end by itself once it is asked to.
 const GRACE: Duration = Duration::from_secs(2);
 /// How many of the last lines that a failed command said are shown.
@@ -27,12 +25,10 @@ pub(crate) fn start(words: &[String], folder: &Path, said: &Path) -> Result<Runn
         .current_dir(folder)
         .stdin(Stdio::null())
         .stdout(output)
-        .stderr(errors)
-        // Ctrl-C is for us; we end what we have started.
-        .process_group(0);
-    let started = command.spawn();
-    let child = started.map_err(|error| cannot_start(&words[0], &error.to_string()))?;
-    Ok(Running(child))
+        .stderr(errors);
+    let started = Group::start(command);
+    let group = started.map_err(|error| cannot_start(&words[0], &error.to_string()))?;
+    Ok(Running(group))
 }
 
 /// The command is no program that can be started.
@@ -47,12 +43,12 @@ pub(crate) fn cannot_start(program: &str, error: &str) -> Problem {
 /// The first line that a process has printed that was started with a pipe for its output, if it ends well within `limit`. It may
 /// print no more than a pipe holds.
 pub(crate) fn output_of(
-    mut child: Child,
+    mut group: Group,
     limit: Duration,
     interrupt: &Cancel,
 ) -> Result<String, String> {
-    let out = child.stdout.take();
-    let ended = Running(child).wait(limit, interrupt);
+    let out = group.output();
+    let ended = Running(group).wait(limit, interrupt);
     match ended {
         Ok(Some(status)) if status.success() => {
             let mut text = String::new();
@@ -79,7 +75,7 @@ pub(crate) fn last_words(said: &Path) -> String {
 }
 
 /// A process that is ended, with those that it started, if it is no longer waited for.
-pub(crate) struct Running(Child);
+pub(crate) struct Running(Group);
 
 impl Running {
     /// How it ended; `None` if it did not within `limit`.
@@ -90,7 +86,7 @@ impl Running {
     ) -> Result<Option<ExitStatus>, Problem> {
         let began = Instant::now();
         loop {
-            match self.0.try_wait() {
+            match self.0.ended() {
                 Ok(Some(status)) => return Ok(Some(status)),
                 Ok(None) => {}
                 Err(error) => return Err(Problem::new("episode-failed", error.to_string())),
@@ -104,29 +100,13 @@ impl Running {
             std::thread::sleep(LOOK);
         }
     }
-
-    fn signal(&self, signal: rustix::process::Signal) {
-        let id = i32::try_from(self.0.id()).ok();
-        if let Some(group) = id.and_then(rustix::process::Pid::from_raw) {
-            let _ = rustix::process::kill_process_group(group, signal);
-        }
-    }
 }
 
 impl Drop for Running {
     fn drop(&mut self) {
-        if matches!(self.0.try_wait(), Ok(Some(_))) {
+        if matches!(self.0.ended(), Ok(Some(_))) {
             return;
         }
-        self.signal(rustix::process::Signal::TERM);
-        let asked = Instant::now();
-        while asked.elapsed() < GRACE {
-            if matches!(self.0.try_wait(), Ok(Some(_))) {
-                break;
-            }
-            std::thread::sleep(LOOK);
-        }
-        self.signal(rustix::process::Signal::KILL);
-        let _ = self.0.wait();
+        self.0.end(Request::Terminate, GRACE);
     }
 }

@@ -5,15 +5,15 @@
 //! failure reaches further. That an episode does not depend on those before it is the program's to keep; `corroborate explain
 //! command` says so.
 
-use super::once::{LOOK, cannot_start};
+use super::once::cannot_start;
+use crate::group::{Group, LOOK, Request};
 use crate::process::{Said, indented, keep_lines};
 use diagnostic::Problem;
 use host::Cancel;
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Read, Write};
-use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -95,7 +95,7 @@ impl Pool {
 
 /// A process that is ended, with those that it started, when it is dropped.
 struct Serving {
-    child: Child,
+    group: Group,
     input: Option<ChildStdin>,
     answers: Receiver<String>,
     said: Said,
@@ -109,14 +109,12 @@ impl Serving {
             .current_dir(program.folder)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            // Ctrl-C is for us; we end what we have started.
-            .process_group(0);
-        let started = command.spawn();
-        let mut child =
+            .stderr(Stdio::piped());
+        let started = Group::start(command);
+        let mut group =
             started.map_err(|error| cannot_start(&program.words[0], &error.to_string()))?;
         let (sender, answers) = sync_channel(1);
-        if let Some(output) = child.stdout.take() {
+        if let Some(output) = group.output() {
             std::thread::spawn(move || {
                 let mut output = BufReader::new(output);
                 while let Some(line) = next_line(&mut output) {
@@ -127,13 +125,13 @@ impl Serving {
             });
         }
         let said = Said::default();
-        if let Some(errors) = child.stderr.take() {
+        if let Some(errors) = group.errors() {
             let said = Said::clone(&said);
             std::thread::spawn(move || keep_lines(errors, &said));
         }
         Ok(Self {
-            input: child.stdin.take(),
-            child,
+            input: group.input(),
+            group,
             answers,
             said,
         })
@@ -189,7 +187,7 @@ impl Serving {
     /// It has ended, or is about to.
     fn gone(&mut self, what: &str) -> Failed {
         self.input = None;
-        let ended = match self.wait(GRACE) {
+        let ended = match self.group.wait(GRACE) {
             Some(status) => format!("{what} and ended with {status}"),
             None => what.to_owned(),
         };
@@ -208,37 +206,14 @@ impl Serving {
             },
         }
     }
-
-    fn wait(&mut self, longest: Duration) -> Option<std::process::ExitStatus> {
-        let began = Instant::now();
-        loop {
-            match self.child.try_wait() {
-                Ok(Some(status)) => return Some(status),
-                _ if began.elapsed() >= longest => return None,
-                _ => std::thread::sleep(LOOK),
-            }
-        }
-    }
-
-    fn signal(&self, signal: rustix::process::Signal) {
-        let id = i32::try_from(self.child.id()).ok();
-        if let Some(group) = id.and_then(rustix::process::Pid::from_raw) {
-            let _ = rustix::process::kill_process_group(group, signal);
-        }
-    }
 }
 
 impl Drop for Serving {
     fn drop(&mut self) {
         // The end of its input is the end of its work; one that is in the middle of an episode may not look.
         self.input = None;
-        if self.wait(GRACE / 4).is_some() {
-            return;
-        }
-        self.signal(rustix::process::Signal::TERM);
-        if self.wait(GRACE).is_none() {
-            self.signal(rustix::process::Signal::KILL);
-            let _ = self.child.wait();
+        if self.group.wait(GRACE / 4).is_none() {
+            self.group.end(Request::Terminate, GRACE);
         }
     }
 }

@@ -1,22 +1,21 @@
 //! A node of ROS 2 that is started for an episode and ended with it.
 
+use crate::group::{Group, Request};
 use crate::process::{Said, indented, keep_lines};
 use crate::processor::Counted;
 use std::ffi::OsStr;
-use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use testbench::controller::Setup;
 
 /// How long a node has to end once it is asked to.
 const GRACE: Duration = Duration::from_secs(2);
-const LOOK: Duration = Duration::from_millis(10);
 
 /// A running node.
 pub struct Node {
     name: String,
-    child: Counted,
+    group: Counted,
     said: Said,
 }
 
@@ -42,17 +41,14 @@ impl Node {
             .env("PYTHONHASHSEED", "0")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            // Ctrl-C is for us; what we end ends its nodes.
-            .process_group(0);
+            .stderr(Stdio::piped());
         if let Some(path) = python_path {
             prepared.env("PYTHONPATH", path);
         }
-        let mut child = prepared
-            .spawn()
+        let mut group = Group::start(prepared)
             .map_err(|error| format!("`{name}` cannot be started: {error}"))?;
         let said = Said::default();
-        let (output, errors) = (child.stdout.take(), child.stderr.take());
+        let (output, errors) = (group.output(), group.errors());
         let kept = [said.clone(), said.clone()];
         let [first, second] = kept;
         if let Some(output) = output {
@@ -63,14 +59,15 @@ impl Node {
         }
         Ok(Self {
             name,
-            child: Counted::new(child),
+            group: Counted(group),
             said,
         })
     }
 
     /// How it ended, if it did.
     pub fn ended(&mut self) -> Option<ExitStatus> {
-        self.child.ended()
+        // Of what cannot be looked at nothing is known.
+        self.group.ended().unwrap_or_default()
     }
 
     /// What it does and what it said last.
@@ -87,30 +84,13 @@ impl Node {
         };
         format!("`{}` {does}{output}", self.name)
     }
-
-    fn signal(&self, signal: rustix::process::Signal) {
-        let id = i32::try_from(self.child.id()).ok();
-        if let Some(group) = id.and_then(rustix::process::Pid::from_raw) {
-            // If it cannot be had it has ended in the meantime.
-            let _ = rustix::process::kill_process_group(group, signal);
-        }
-    }
 }
 
 impl Drop for Node {
     fn drop(&mut self) {
-        if self.ended().is_some() {
-            return;
-        }
-        // As Ctrl-C does, on which nodes say goodbye.
-        self.signal(rustix::process::Signal::INT);
-        let asked = Instant::now();
-        while asked.elapsed() < GRACE && self.ended().is_none() {
-            std::thread::sleep(LOOK);
-        }
         if self.ended().is_none() {
-            self.signal(rustix::process::Signal::KILL);
-            self.child.kill();
+            // On Ctrl-C nodes say goodbye.
+            self.group.end(Request::Interrupt, GRACE);
         }
     }
 }
@@ -158,11 +138,14 @@ mod tests {
         let setup = Setup::default();
         let mut node = Node::start(&command, (Path::new("."), None), 42, &setup).expect("started");
         while !node.last_words().contains("    42") {
-            std::thread::sleep(LOOK);
+            std::thread::sleep(crate::group::LOOK);
         }
-        let (id, before) = (node.child.id(), processor::used_secs());
+        let (id, before) = (node.group.id(), processor::used_secs());
         drop(node);
-        let secs = processor::used_secs() - before;
+        let secs = processor::used_secs()
+            .zip(before)
+            .map(|(now, before)| now - before);
+        let secs = secs.expect("Unix tells");
         // A shell needs a tenth of a second or so for that; ending it hardly takes this thread any time.
         assert!(secs > 0.02, "{secs} s");
         assert!(!Path::new(&format!("/proc/{id}")).exists());

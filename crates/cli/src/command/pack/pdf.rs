@@ -45,7 +45,7 @@ pub fn printed(page: &str, host: &Host) -> Result<Vec<u8>, String> {
         .stdout(Stdio::null())
         .stderr(Stdio::null());
     // Chromium refuses to isolate its processes for the superuser; the page is our own and runs no foreign script.
-    if rustix::process::geteuid().is_root() {
+    if is_superuser() {
         command.arg("--no-sandbox");
     }
     command.arg(format!("file://{}", html.display()));
@@ -76,6 +76,17 @@ fn run(mut command: Command, host: &Host) -> Result<(), String> {
             }
         }
     }
+}
+
+#[cfg(unix)]
+fn is_superuser() -> bool {
+    rustix::process::geteuid().is_root()
+}
+
+/// Elsewhere Chromium isolates its processes for everybody.
+#[cfg(not(unix))]
+fn is_superuser() -> bool {
+    false
 }
 
 fn find() -> Option<PathBuf> {

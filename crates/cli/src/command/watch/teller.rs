@@ -163,16 +163,16 @@ struct Window {
 
 /// The size of the terminal now; it may change at any time.
 fn window() -> Window {
-    let size = rustix::termios::tcgetwinsize(std::io::stdout());
-    let known = size.ok().filter(|it| it.ws_col > 0 && it.ws_row > 0);
+    let size = terminal_size::terminal_size_of(std::io::stdout());
+    let known = size.filter(|(width, height)| width.0 > 0 && height.0 > 0);
     known.map_or(
         Window {
             columns: 80,
             rows: 24,
         },
-        |it| Window {
-            columns: usize::from(it.ws_col),
-            rows: usize::from(it.ws_row),
+        |(width, height)| Window {
+            columns: usize::from(width.0),
+            rows: usize::from(height.0),
         },
     )
 }

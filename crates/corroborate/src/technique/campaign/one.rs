@@ -82,7 +82,9 @@ impl<'a> Bench<'a> {
         let began = used_secs();
         let (record, is_new) = self.recorder.episode(self, number)?;
         let effort = Effort {
-            cpu_secs: is_new.then(|| used_secs() - began),
+            cpu_secs: (used_secs().zip(began))
+                .filter(|_| is_new)
+                .map(|(now, began)| now - began),
         };
         Ok((record, effort))
     }
