@@ -69,13 +69,19 @@ impl Memory {
             is_default: asked.is_none(),
         });
         let state = Arc::<State>::default();
+        let is_told = |limit: &Limit| look(*limit, &state).is_some();
+        let limit = limit.filter(is_told);
         if let Some(limit) = limit {
-            look(limit, &state);
             let state = state.clone();
             // Without the thread the work could not be ended; it goes on without a limit, as elsewhere.
             let _ = std::thread::Builder::new().spawn(move || watch(limit, &state));
         }
         Self { limit, state }
+    }
+
+    /// Whether there is a limit.
+    pub fn is_watched(&self) -> bool {
+        self.limit.is_some()
     }
 }
 
@@ -176,7 +182,7 @@ mod tests {
     #[test]
     fn a_limit_that_is_passed_stops_the_work() {
         let memory = Memory::new(Some(1e6));
-        assert!(!memory.must_stop());
+        assert!(memory.is_watched() && !memory.must_stop());
         memory.state.must_stop.store(true, Ordering::Relaxed);
         assert!(memory.must_stop());
         let problem = memory.problem("");

@@ -21,7 +21,7 @@ pub fn check(arguments: &Check, setting: &Host) -> Result<Done, Problem> {
     let request = request(arguments)?;
     say_what_has_no_effect(arguments, setting);
     let host = Host {
-        memory: Arc::new(Memory::new(arguments.memory_limit)),
+        memory: Arc::new(memory(arguments, setting)),
         ..setting.clone()
     };
     let print = |bytes: &[u8]| std::io::stdout().write_all(bytes);
@@ -128,6 +128,17 @@ fn refuse(arguments: &Check) -> Result<(), Problem> {
             Err(problem.remedy(refused::reason(flag)))
         }
     }
+}
+
+/// The limit of memory; where the system does not tell what is held, whoever asks for one is told so.
+fn memory(arguments: &Check, setting: &Host) -> Memory {
+    let memory = Memory::new(arguments.memory_limit);
+    if arguments.memory_limit.is_some() && !memory.is_watched() {
+        setting.events.say(
+            "note: --memory-limit has no effect: only Linux tells what a program takes; elsewhere a model that is too large ends the program",
+        );
+    }
+    memory
 }
 
 fn say_what_has_no_effect(arguments: &Check, setting: &Host) {

@@ -313,6 +313,26 @@ fn libraries_do_not_touch_the_process() {
     );
 }
 
+#[test]
+fn what_only_some_systems_have_is_named_in_few_places() {
+    let (mut elsewhere, mut met) = (Vec::new(), BTreeSet::new());
+    for (name, ..) in CRATES {
+        for place in places(name, &SYSTEMS) {
+            let file = MAY_NAME_A_SYSTEM.iter().find(|it| place.starts_with(**it));
+            match file {
+                Some(file) => drop(met.insert(*file)),
+                None => elsewhere.push(place),
+            }
+        }
+    }
+    assert!(
+        elsewhere.is_empty(),
+        "Unix, Linux or Windows outside {MAY_NAME_A_SYSTEM:?}:\n{}",
+        elsewhere.join("\n")
+    );
+    assert_eq!(met, BTreeSet::from(MAY_NAME_A_SYSTEM));
+}
+
 /// Where the product code of a crate contains one of the words.
 fn places(name: &str, words: &[&str]) -> Vec<String> {
     let mut found = Vec::new();

@@ -271,6 +271,28 @@ pub const ABSENT_IN_LIBRARIES: [&str; 8] = [
     "println!",
 ];
 
+/// What only some systems have.
+pub const SYSTEMS: [&str; 7] = [
+    "os::unix",
+    "os::linux",
+    "os::windows",
+    "rustix::",
+    "libc::",
+    "windows::Win32",
+    "process_wrap::",
+];
+
+/// The files that may name it, each of which says what is done on the other systems.
+pub const MAY_NAME_A_SYSTEM: [&str; 7] = [
+    "crates/cli/src/command/pack/pdf.rs",
+    "crates/cli/src/memory/allocator.rs",
+    "crates/host/src/system.rs",
+    "crates/live/src/foxglove/socket.rs",
+    "crates/rig/src/group/unix.rs",
+    "crates/rig/src/group/windows.rs",
+    "crates/rig/src/processor.rs",
+];
+
 /// The programs: everything else is a library.
 pub const PROGRAMS: [&str; 2] = ["cli", "corroborate-bench"];
 
