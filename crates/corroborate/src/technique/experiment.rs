@@ -633,9 +633,15 @@ impl Cohort {
         let Err(error) = self.table.column(columns::header(&binding.text)) else {
             return Ok(());
         };
-        Err(table_problem(error)
+        let all = "a word is bound once for all tables, so their columns have to be named alike";
+        let remedy = match error.remedy() {
+            Some(remedy) => format!("{remedy} ({all})"),
+            None => all.to_owned(),
+        };
+        Err(Problem::new("bad-table", error.what())
             .about(self.table.name())
-            .at(&study.vocabulary.source, binding.span.clone()))
+            .at(&study.vocabulary.source, binding.span.clone())
+            .remedy(remedy))
     }
 
     /// Counts by row of a binding: a column of counts, or `column: code`.
