@@ -13,6 +13,9 @@ use crate::schema::{MessageField, MessageType, Primitive, Type};
 /// The topic of columns that name none.
 pub(crate) const TABLE_TOPIC: &str = "/csv";
 
+/// Before the signal of a column whose header has a unit, in the metadata of a table.
+pub(crate) const UNIT_OF: &str = "unit of ";
+
 /// Before the signal of a column without any value, in the metadata of a table.
 pub(crate) const NO_VALUE_IN: &str = "no value in ";
 
@@ -127,7 +130,7 @@ pub(crate) fn layout(
         let signal = format!("{topic}.{}", path.join("."));
         let notes = &mut layout.notes;
         if !unit.is_empty() {
-            notes.insert(format!("unit of {signal}"), unit.to_owned());
+            notes.insert(format!("{UNIT_OF}{signal}"), unit.to_owned());
         }
         if without_values.contains(&column) {
             notes.insert(format!("{NO_VALUE_IN}{signal}"), String::new());

@@ -2,12 +2,14 @@
 
 mod error;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use trace::units::Unit;
 use trace::{Channel, Field, FieldKind, SignalIndex, Trace};
 
 pub use self::error::BindError;
 use super::plan::{FrameQuantity, FrameQuantityKind, Output, SourcePlan, Treatment};
+use crate::csv_rows::columns::UNIT_OF;
 use crate::reader::TopicInfo;
 use crate::topic_map::{Interpolation, MappedSignal, SignalSource, TopicMap};
 
@@ -82,15 +84,16 @@ pub(super) struct Binding {
 /// What kind of values stand at a path of a topic.
 pub(super) type KindOf<'a> = dyn Fn(&TopicInfo, &str) -> Result<FieldKind, String> + 'a;
 
-/// Finds the signals `wanted`, by the map or as they are written, among `topics`.
+/// Finds the signals `wanted`, by the map or as they are written, among `topics` of a recording with this metadata.
 pub(super) fn bind(
-    topics: &[TopicInfo],
+    (topics, metadata): (&[TopicInfo], &BTreeMap<String, String>),
     map: &TopicMap,
     wanted: &[String],
     kind_of: &KindOf<'_>,
 ) -> Result<Binding, Vec<BindError>> {
     let mut binder = Binder {
         topics,
+        metadata,
         kind_of,
         errors: Vec::new(),
         done: BTreeSet::new(),
@@ -116,6 +119,7 @@ pub(super) fn bind(
 
 struct Binder<'a> {
     topics: &'a [TopicInfo],
+    metadata: &'a BTreeMap<String, String>,
     kind_of: &'a KindOf<'a>,
     errors: Vec<BindError>,
     /// The entries and signals that were bound.
@@ -184,15 +188,13 @@ impl Binder<'_> {
             let message = "it is text; give it an entry in the topic map that lists its values";
             return self.error(name, 0, message);
         }
-        let unit = infos
-            .first()
-            .map_or("", |info| crate::inspect::usual_unit(info, path));
+        let unit = self.unit(infos.first().copied(), path);
         let (topic, path) = (topic.to_owned(), path.to_owned());
         let slash = if topic.starts_with('/') { "" } else { "/" };
         let channel = format!("{slash}{topic}");
         let field = Field {
             name: path.clone(),
-            unit: unit.to_owned(),
+            unit,
             frame: None,
             kind: kind.clone(),
         };
@@ -212,6 +214,18 @@ impl Binder<'_> {
         );
         let signal = self.add_field(&channel, field);
         self.plain(&topic, &entry, vec![column], &[signal]);
+    }
+
+    /// The unit of a field: as the header of its column says, if that is one, or as its message's type has it.
+    fn unit(&self, info: Option<&TopicInfo>, path: &str) -> String {
+        let Some(info) = info else {
+            return String::new();
+        };
+        let stated = self.metadata.get(&format!("{UNIT_OF}{}.{path}", info.name));
+        match stated.filter(|unit| unit.parse::<Unit>().is_ok()) {
+            Some(unit) => unit.clone(),
+            None => crate::inspect::usual_unit(info, path).to_owned(),
+        }
     }
 
     /// A signal with an entry in the map, with all of its parts.

@@ -115,7 +115,7 @@ impl SignalStream {
             }]);
         }
         let kind = |info: &TopicInfo, path: &str| kind_of(info, path);
-        let binding = bind::bind(reader.topics(), map, wanted, &kind)?;
+        let binding = bind::bind((reader.topics(), reader.metadata()), map, wanted, &kind)?;
         let mut treatments = binding.sources.iter().map(|source| &source.treatment);
         let needs_frames = treatments.any(|treatment| *treatment != Treatment::Plain);
         let sequencer = Sequencer::new(&binding.layout, binding.sources.clone(), &map.time);

@@ -1,7 +1,8 @@
 //! Tables in CSV and JSON lines.
 
 use recording::{
-    Extractor, FieldPath, Format, OpenOptions, Reader, TimeUnit, TopicInfo, Value, open_bytes,
+    Extractor, FieldPath, Format, OpenOptions, Reader, SignalStream, TimeUnit, TopicInfo, TopicMap,
+    Value, open_bytes,
 };
 
 /// Topic, time and the values at some paths.
@@ -67,6 +68,23 @@ fn a_table_is_one_topic_with_a_field_for_each_column() {
         reader.metadata()["header of /csv.position_0"],
         "position[0]"
     );
+}
+
+#[test]
+fn a_unit_in_a_header_is_that_of_the_signal() {
+    let text = "t [s],speed [mm/s],share [of all],count\n0.0,200,0.5,1\n0.1,300,0.5,2\n";
+    let reader = csv(text, &[]).unwrap().1;
+    let wanted = ["/csv.speed", "/csv.share", "/csv.count"].map(String::from);
+    let stream = SignalStream::new(reader, &TopicMap::default(), &wanted).unwrap();
+    let layout = stream.layout();
+    let unit = |name: &str| {
+        let at = layout.signal(name).unwrap();
+        layout.channels[at.channel].fields[at.field].unit.clone()
+    };
+    // What is no unit is part of a name.
+    assert_eq!(wanted.each_ref().map(|name| unit(name)), ["mm/s", "", ""]);
+    let slow = trace::Predicate::parse("/csv.speed < 0.25 m/s").unwrap();
+    assert!(slow.bind(layout).is_ok());
 }
 
 #[test]
