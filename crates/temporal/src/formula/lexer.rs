@@ -210,7 +210,11 @@ fn lex_one(
             text,
             at..at + first.len_utf8(),
             format!("'{first}' means nothing here"),
-            "use operators such as \"and\", \"until\" and \"<\", and put unusual names in backquotes".to_owned(),
+            match first {
+                // As RTAMT and others write it.
+                ':' => "write an interval with a comma and units, such as [0, 5 samples] or [0, 500 ms]".to_owned(),
+                _ => "use operators such as \"and\", \"until\" and \"<\", and put unusual names in backquotes".to_owned(),
+            },
         )),
     }
 }

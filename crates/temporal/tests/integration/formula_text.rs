@@ -185,6 +185,7 @@ fn mistakes_have_a_place_and_a_remedy() {
             "the quotation that begins with ' does not end",
         ),
         ("a # b", "#", "'#' means nothing here"),
+        ("eventually[0:5] a", ":", "':' means nothing here"),
     ];
     for (text, place, message) in cases {
         let found = error(text);
@@ -192,6 +193,7 @@ fn mistakes_have_a_place_and_a_remedy() {
         assert_eq!(&text[found.span.clone()], place, "{text}");
         assert!(!found.remedy.is_empty(), "{text}");
     }
+    assert!(error("eventually[0:5] a").remedy.contains("[0, 5 samples]"));
     let shown = error("größe < 3 and").to_string();
     assert!(
         shown.contains("column 14: a statement is missing"),
