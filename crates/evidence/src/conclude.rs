@@ -225,7 +225,10 @@ fn conclusion(study: &Study<'_>, asked: &Asked<'_>, level: &Level) -> Conclusion
             holds_for: study.levels.family,
             quantities: level.quantities,
         },
-        common_lower_bound: bound.filter(|_| asked.threshold.direction == Direction::AtLeast),
+        common_lower_bound: bound.filter(|_| {
+            // What is over other runs is of another rate: nothing is said of all of them then.
+            asked.threshold.direction == Direction::AtLeast && together.len() == asked.pieces.len()
+        }),
         rests_on: rests_on(asked, &judged),
         independent_agreement: agreement(&asked.among, true),
         fitted_agreement: agreement(&asked.among, false),

@@ -376,8 +376,8 @@ pub struct Conclusion {
     pub error_rate: ErrorRate,
     /// In one or two sentences, with figures.
     pub statement: String,
-    /// What all current techniques support together ("at least …"), at the
-    /// study's confidence: that all rates are at least this.
+    /// What all current pieces support together ("at least …"), at the
+    /// study's confidence: that all rates are at least this. `null` where they are not all over the same runs.
     pub common_lower_bound: Option<f64>,
     /// The evidence on which it rests: the current one of each technique.
     pub rests_on: Vec<String>,

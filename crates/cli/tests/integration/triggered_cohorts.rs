@@ -197,6 +197,41 @@ fn a_row_that_counts_other_trials_than_the_trigger_is_refused() {
     }
 }
 
+/// Within a bound fewer of the attempts in which it came trigger it, and never more.
+#[test]
+fn a_row_of_a_bounded_trigger_has_at_most_the_trials_in_which_its_word_came() {
+    let vocabulary = VOCABULARY.replace("STUMBLED", "stumbled");
+    let bounded = "trigger = 'P=? [ F<=3 \"stumbled\" ]'\nexperiment = \"caught\"";
+    let requirements = REQUIREMENTS.replacen("experiment = \"caught\"", bounded, 1);
+    for (covered, passed, code) in [(70, 67, 2), (68, 67, 0)] {
+        let study = Planted::new();
+        let row = format!(
+            "requirement,covered,passed,failed\ncaught,{covered},{passed},{}\n",
+            covered - passed
+        );
+        for (file, text) in [
+            ("study.toml", STUDY),
+            ("requirements.toml", &requirements),
+            ("vocabulary.toml", &vocabulary),
+            (
+                "ledger.toml",
+                &format!("{LEDGER}tables.requirements = \"all.csv\"\n"),
+            ),
+            ("cohort.csv", &cohort("stumbled", 2)),
+            ("all.csv", &row),
+        ] {
+            study.write(file, text);
+        }
+        let said = support::program::corroborate(study.path(), &["run", ".", "--quiet"]);
+        assert_eq!(said.code, code, "{said:?}");
+        assert_eq!(
+            said.talk.contains("no others can trigger it"),
+            code == 2,
+            "{said:?}"
+        );
+    }
+}
+
 /// Several stumbles of one attempt, and trials whose verdict is not known, are no contradiction.
 #[test]
 fn rows_that_fit_the_trigger_are_taken() {

@@ -24,8 +24,7 @@
 //!
 //! Then what denies the requirement under other conditions is added: a requirement is asked under each of them. A model
 //! that denies it there gives way to trials of the system under the same conditions that support it. Trials of the system that leave
-//! it open there leave it undecided where evidence of as many steps speaks of those conditions: then which of both comes first in
-//! the ledger decides nothing.
+//! it open there leave it undecided, however many models speak of either conditions.
 //!
 //! # Assumes
 //! The standings are those of tests that hold their levels, and all trials of the system under the same conditions speak of
@@ -184,17 +183,9 @@ fn denied_elsewhere(judged: &[Judged]) -> Option<Step> {
     denies.map(|it| it.standing.step).max()
 }
 
-/// The trials of the system that leave the requirement open under conditions of which evidence of as many steps speaks as of those of
-/// the verdict: neither of both is the study's main one, so that the requirement is asked under both alike.
+/// The trials of the system that leave the requirement open under other conditions than those of the verdict, where none there decide it: it
+/// is asked under these, too. How many models speak of which conditions changes nothing of that.
 pub(super) fn left_open(judged: &[Judged]) -> Vec<&Judged> {
-    let steps = |of: &dyn Fn(&&Judged) -> bool| {
-        let steps = judged.iter().filter(of).map(|it| it.standing.step);
-        let mut steps: Vec<Step> = steps.collect();
-        steps.sort_unstable();
-        steps.dedup();
-        steps.len()
-    };
-    let here = steps(&|it| !it.standing.elsewhere);
     let is_open = |it: &&Judged| {
         let is_of_system = |other: &Judged| {
             other.standing.elsewhere
@@ -203,9 +194,7 @@ pub(super) fn left_open(judged: &[Judged]) -> Vec<&Judged> {
                 && other.standing.step == Step::System
         };
         let mut there = judged.iter().filter(|other| is_of_system(other));
-        is_of_system(it)
-            && there.all(|other| other.standing.standing == Standing::Neither)
-            && steps(&|other| other.standing.elsewhere && other.conditions == it.conditions) >= here
+        is_of_system(it) && there.all(|other| other.standing.standing == Standing::Neither)
     };
     judged.iter().filter(is_open).collect()
 }

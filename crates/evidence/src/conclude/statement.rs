@@ -180,7 +180,7 @@ impl Statement<'_> {
             .then(|| format!("Refuted under other conditions: {}.", figures.join("; ")))
     }
 
-    /// What is shown under some conditions and left open under others that weigh as much.
+    /// What is shown under some conditions and left open under others.
     fn open_elsewhere(&self) -> Option<String> {
         let supporting = self.judged.iter().find(|it| {
             let standing = &it.standing;
@@ -192,7 +192,7 @@ impl Statement<'_> {
         let figures: Vec<&str> = open.iter().map(|it| it.standing.words.as_str()).collect();
         (self.verdict == Verdict::Undecided && !open.is_empty()).then(|| {
             format!(
-                "{} supports it under its conditions ({}); under others of which as much speaks it is open: {}.",
+                "{} supports it under its conditions ({}); under others, under which the system was tried, too, it is open: {}.",
                 supporting.standing.evidence,
                 supporting.conditions,
                 figures.join("; ")

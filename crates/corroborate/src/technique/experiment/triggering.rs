@@ -71,7 +71,9 @@ impl Tables {
     /// `tables-disagree` at a row which says of more or fewer trials that they were covered.
     pub(super) fn check_triggers(&self, study: &Study) -> Result<(), Problem> {
         for form in &study.forms.subjects {
-            let (Some(row), Some(word)) = (self.own_row(&form.subject), word(study, form)) else {
+            let (Some(row), Some((word, exact))) =
+                (self.own_row(&form.subject), known_word(study, form))
+            else {
                 continue;
             };
             let Some(triggers) = self.came(study, &word)? else {
@@ -85,12 +87,15 @@ impl Tables {
                 continue;
             }
             let came: u64 = triggers.iter().map(|it| it.successes).sum();
-            let fits = match row.several {
-                true => row.trials >= came,
-                false => row.trials == came,
+            let fits = match (row.several, exact) {
+                (true, true) => row.trials >= came,
+                (false, true) => row.trials == came,
+                // Of the attempts in which it came only those in time count; of opportunities each may have several.
+                (true, false) => true,
+                (false, false) => row.trials <= came,
             };
             if !fits {
-                return Err(row.misfit(form, &word, came));
+                return Err(row.misfit(form, &word, (came, exact)));
             }
         }
         Ok(())
@@ -217,17 +222,18 @@ impl Tables {
 }
 
 impl OwnRow<'_> {
-    fn misfit(&self, form: &SubjectForm, word: &str, came: u64) -> Problem {
+    fn misfit(&self, form: &SubjectForm, word: &str, (came, exact): (u64, bool)) -> Problem {
         let (trials, id) = (self.trials, form.subject.id());
         let (what, rule) = match self.several {
             true => (
                 "opportunities are",
                 "each of these is an opportunity at least",
             ),
-            false => (
+            false if exact => (
                 "trials are",
                 "these are the trials that trigger it, with a verdict or without",
             ),
+            false => ("trials are", "no others can trigger it"),
         };
         let message = format!(
             "{trials} {what} counted for `{id}` here, and the cohort counts {came} attempts in which \"{word}\" came: {rule}"
@@ -237,6 +243,20 @@ impl OwnRow<'_> {
              requirements.toml"
         ))
     }
+}
+
+/// The proposition without which a subject is not triggered, and whether it is triggered by that alone: `F<=3 "w"` is by `w` within a bound.
+fn known_word(study: &Study, form: &SubjectForm) -> Option<(String, bool)> {
+    let exact = word(study, form).map(|word| (word, true));
+    exact.or_else(|| {
+        let text = &condition(form)?.text;
+        let path = bare(text);
+        let path = path.strip_prefix("P=?[F<=")?;
+        let (bound, rest) = path.split_once('"')?;
+        let is_number = bound.parse::<f64>().is_ok();
+        let name = rest.strip_suffix("\"]")?;
+        (is_number && !name.contains('"')).then(|| (name.to_owned(), false))
+    })
 }
 
 /// What was counted of each subject among the attempts that triggered it.
