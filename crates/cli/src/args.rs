@@ -25,6 +25,7 @@ mod shard;
 mod shell;
 mod simulate;
 mod study_folder;
+mod trust;
 mod watch;
 
 pub use assurance::{Assure, Verify};
@@ -48,6 +49,7 @@ pub use replay::{Replay, Shrink};
 pub use shard::Merge;
 pub use shell::{Completions, Doctor, Man};
 pub use simulate::{RecordingForm, Simulate};
+pub use trust::Trust;
 pub use watch::Watch;
 
 use study_folder::study_folder;
@@ -102,6 +104,9 @@ pub struct Arguments {
     /// Say nothing but the result.
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Run the programs that the study names, this once (`corroborate trust STUDY` shows and allows them).
+    #[arg(long, global = true)]
+    pub trust: bool,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
@@ -167,6 +172,8 @@ pub enum Command {
     Verify(Verify),
     /// Make a new study: from a template, a robot's description, a recording or a behaviour tree.
     Init(Init),
+    /// Show which programs a study would run, and allow them; what it runs without is asked first.
+    Trust(Trust),
     /// Show the keys of a study's files, or their JSON Schemas for an editor.
     Schema(SchemaOfFile),
     /// Explain a diagnostic, a verdict or a word of the report.

@@ -29,6 +29,7 @@ mod schema;
 mod shard;
 mod shrink;
 mod simulate;
+mod trust;
 mod verify;
 mod watch;
 mod what_if;
@@ -81,7 +82,8 @@ pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
         Command::Assure(arguments) => assure::assure(arguments),
         Command::Pack(arguments) => pack::pack(arguments, setting),
         Command::Verify(arguments) => verify::verify(arguments, setting),
-        Command::Init(arguments) => init::init(arguments),
+        Command::Init(arguments) => init::init(arguments, setting),
+        Command::Trust(arguments) => trust::trust(arguments, setting),
         Command::Schema(arguments) => schema::schema(arguments),
         Command::Explain(arguments) => crate::explain::explain(arguments),
         Command::Doctor(arguments) => doctor::doctor(arguments, setting),

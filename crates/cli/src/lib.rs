@@ -14,6 +14,7 @@ mod python_path;
 mod shown_calibration;
 mod shown_problem;
 mod terminal;
+mod trust;
 mod written;
 
 use std::ffi::OsString;
@@ -37,6 +38,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         build: corroborate::build(),
         python_path: python_path::of_environment(),
         scratch: std::env::temp_dir(),
+        trust: trust::of_environment(parsed.trust),
         memory: Arc::new(memory::Memory::unlimited()),
     };
     match command::carry_out(&parsed.command, &host) {
@@ -53,6 +55,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             shown_problem::exit_code(&problem)
         }
     }
+}
+
+/// Which studies may run the programs that they name, as this user's environment and records say; `is_given` for this call: for
+/// faces that are no command line.
+pub fn trust(is_given: bool) -> host::Trust {
+    trust::of_environment(is_given)
 }
 
 /// Makes the pack of a study that has been run, drawn as the command `pack` draws it: for faces that are no command line.

@@ -100,7 +100,8 @@ fn python(host: &Host) -> Examined {
 }
 
 fn controllers(host: &Host) -> Examined {
-    let script = "import corroborate_controller as c; print(c.__file__)";
+    // The folder in which somebody stands may be a stranger's, and Python would look there first.
+    let script = "import sys; sys.path = [p for p in sys.path if p]; import corroborate_controller as c; print(c.__file__)";
     let found = first_line(&["python3", "-c", script], host.python_path.as_deref());
     examined(
         "corroborate_controller",

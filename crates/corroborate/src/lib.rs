@@ -28,6 +28,7 @@
 //! | fit a simulator to what was counted | [`calibrate()`] |
 //! | estimate how rare an event is | [`rare()`] |
 //! | run the same episodes in two physics engines | [`engines()`] |
+//! | allow a study to run the programs that it names | [`consent::allow`]; for one call [`Host::trust`] |
 //! | see what is missing around the program | [`doctor`](doctor::doctor()) |
 //! | repeat a flaky test until its rate is decided | [`decide()`] |
 //! | try variants of its assets, side by side | [`what_if()`] |
@@ -82,6 +83,7 @@ pub use evidence;
 pub use host;
 pub use judging;
 pub use query;
+pub use rig::consent;
 pub use study;
 
 pub use diagnostic::Problem;

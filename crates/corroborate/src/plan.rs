@@ -141,6 +141,12 @@ impl Planning<'_> {
             let stored = kept::<Produced>(&self.folder.join(evidence_file(&entry.id)));
             let took = stored.as_ref().ok().map(|it| it.content.cost.wall_secs);
             let freshness = self.freshness((entry, prepared), stored, &evidence, &mut fresh)?;
+            let freshness = match prepared.work.not_allowed() {
+                Some(problem) if freshness != Freshness::Fresh => Freshness::CannotProduce {
+                    reason: problem.message().to_owned(),
+                },
+                _ => freshness,
+            };
             evidence.push(PlannedEvidence {
                 id: entry.id.clone(),
                 title: entry.title.clone(),

@@ -30,6 +30,8 @@ pub struct Opening<'a> {
     /// Whether any engine will do, as nothing is run that depends on it: where the physics library is not there, what can be
     /// is opened in the engine that is built in.
     pub any_engine: bool,
+    /// Whether a command is opened that may not run, since it need not: where what it left is fresh.
+    pub only_looked_at: bool,
 }
 
 impl<'a> Opening<'a> {
@@ -44,13 +46,14 @@ impl<'a> Opening<'a> {
             instead: None,
             in_engine: None,
             any_engine: false,
+            only_looked_at: false,
         }
     }
 
     /// Opens a rig.
     ///
     /// # Errors
-    /// What its files say wrong; `no-physics-library` if it needs the library and that cannot be loaded; `one-engine` of
+    /// What its files say wrong; `not-trusted` if it would run a program that the user has not allowed; `no-physics-library` if it needs the library and that cannot be loaded; `one-engine` of
     /// what is asked for in an engine that cannot run it.
     pub fn open(&self, simulated: Simulated<'_>) -> Result<Box<dyn Rig>, Problem> {
         Ok(match simulated {
@@ -92,11 +95,11 @@ impl<'a> Opening<'a> {
                     (Some(path), Some((replaced, text))) if path == replaced => Some(text),
                     _ => None,
                 };
-                let scratch = &self.host.scratch;
-                let test = self.test;
-                Box::new(CommandRig::new(
-                    self.study, command, test, stimulus, scratch,
-                )?)
+                let rig = CommandRig::new(self.study, command, self.test, stimulus, self.host)?;
+                match rig.obstacle().filter(|_| !self.only_looked_at) {
+                    Some(problem) => return Err(problem.clone()),
+                    None => Box::new(rig),
+                }
             }
         })
     }

@@ -196,6 +196,32 @@ pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), Problem> {
     })
 }
 
+/// Writes a file whole or not at all that only its user may read and write; its folder, if it is made, only the user may enter.
+///
+/// # Errors
+/// `cannot-write`.
+#[cfg(unix)]
+pub fn write_private(path: &Path, content: &[u8]) -> Result<(), Problem> {
+    use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
+    let fail = |error: std::io::Error| Problem::cannot_write(path, &error);
+    if let Some(folder) = path.parent() {
+        let mut made = std::fs::DirBuilder::new();
+        made.recursive(true)
+            .mode(0o700)
+            .create(folder)
+            .map_err(fail)?;
+    }
+    write_whole_by(path, |mut file| {
+        // Before anything is in it.
+        let mode = std::fs::Permissions::from_mode(0o600);
+        let written = file
+            .set_permissions(mode)
+            .and_then(|()| file.write_all(content));
+        written.map_err(fail)?;
+        Ok(file)
+    })
+}
+
 /// The same of a content that is not held in memory: `write` is given the new file and hands it back when all is written.
 pub fn write_whole_by(
     path: &Path,

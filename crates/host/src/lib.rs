@@ -8,10 +8,12 @@ pub mod files;
 mod memory;
 pub mod store;
 pub mod system;
+mod trust;
 
 pub use diagnostic::Cancel;
 pub use events::{Event, Events, Stage};
 pub use memory::{MemoryBudget, Unlimited};
+pub use trust::Trust;
 
 use diagnostic::Problem;
 use std::ffi::OsString;
@@ -49,6 +51,8 @@ pub struct Host {
     pub python_path: Option<OsString>,
     /// The folder for what passes while work goes on, and is removed again.
     pub scratch: PathBuf,
+    /// Which studies may run the programs that they name.
+    pub trust: Trust,
     /// How much memory the work may take.
     pub memory: Arc<dyn MemoryBudget>,
 }
@@ -57,7 +61,7 @@ pub struct Host {
 const SCRATCH: &str = "/tmp";
 
 impl Host {
-    /// A host that is silent, never asks to stop and has no physics; what passes goes to `/tmp`.
+    /// A host that is silent, never asks to stop, has no physics and allows no study to run programs; what passes goes to `/tmp`.
     pub fn silent(build: BuildId) -> Self {
         Self {
             events: Events::none(),
@@ -65,6 +69,7 @@ impl Host {
             physics_library: None,
             python_path: None,
             scratch: PathBuf::from(SCRATCH),
+            trust: Trust::default(),
             build,
             memory: Arc::new(Unlimited),
         }

@@ -23,6 +23,8 @@ pub(crate) struct Surroundings {
     physics_library: Option<PathBuf>,
     python_path: Option<OsString>,
     scratch: PathBuf,
+    /// Whether the caller has said that programs of its study may run.
+    trust: bool,
 }
 
 impl Surroundings {
@@ -31,6 +33,7 @@ impl Surroundings {
             physics_library: self.physics_library,
             python_path: self.python_path,
             scratch: self.scratch,
+            trust: cli::trust(self.trust),
             ..Host::silent(corroborate::build())
         }
     }

@@ -19,7 +19,7 @@ use super::saving::Resumable;
 use diagnostic::{Problem, Source};
 use evidence::{Asset, DescriptionGap, Tool};
 use host::store::Inputs;
-use host::{BuildId, Cancel};
+use host::{BuildId, Cancel, Host};
 pub use outside::OutsideCommand;
 use recording::{Interpolation, SignalSource, TopicMap};
 use std::collections::BTreeSet;
@@ -89,7 +89,7 @@ fn words_of(study: &Study) -> Vec<String> {
 
 impl CommandRig {
     /// The command of a ledger's entry. Its only test is that of its stimulus, for whose text `stimulus` may stand in;
-    /// `test` has to be that one, if it is named. What passes outside campaigns goes to a folder of its own below `scratch`.
+    /// `test` has to be that one, if it is named. What passes outside campaigns goes to a folder of its own below the host's for that.
     ///
     /// # Errors
     /// `unknown-test`, and as [`OutsideCommand::new`].
@@ -98,9 +98,9 @@ impl CommandRig {
         text: &CommandText,
         test: Option<&str>,
         stimulus: Option<&Source>,
-        scratch: &Path,
+        host: &Host,
     ) -> Result<Self, Problem> {
-        let command = OutsideCommand::new(study, text, stimulus)?;
+        let command = OutsideCommand::new(study, text, stimulus, host)?;
         has_test(&command, test)?;
         let wanted = signals_of(study);
         Ok(Self {
@@ -108,12 +108,17 @@ impl CommandRig {
             wanted,
             tests: vec![command.stimulus().test.clone()],
             data: table_of(&command.settings()),
-            room: Room::below(scratch),
+            room: Room::below(&host.scratch),
             episodes: AtomicU64::new(0),
             words: words_of(study),
             layout: Mutex::new(None),
             command,
         })
+    }
+
+    /// Why it may not run, if so.
+    pub fn obstacle(&self) -> Option<&Problem> {
+        self.command.obstacle()
     }
 
     /// The topics of a first episode, which is run for that.

@@ -2,6 +2,7 @@
 
 mod asset;
 mod command;
+pub mod consent;
 mod group;
 mod handover;
 mod parameters;
@@ -13,6 +14,7 @@ mod rig;
 mod ros2;
 mod saving;
 mod scene;
+mod start;
 pub mod surroundings;
 mod trial;
 

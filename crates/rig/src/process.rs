@@ -3,13 +3,15 @@
 //! Simulated time stands still while it thinks; only here does a clock of the
 //! real world run, so that a controller that hangs is ended and said to hang.
 
+use crate::consent::Consent;
 use crate::group::Group;
 use crate::processor::Counted;
+use crate::start::program;
 use std::collections::VecDeque;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
-use std::process::{ChildStdin, Command, Stdio};
+use std::process::{ChildStdin, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -27,6 +29,9 @@ const GRACE: Duration = Duration::from_secs(2);
 
 /// How long last words are waited for when a controller reports an error.
 const WORDS: Duration = Duration::from_millis(50);
+
+/// What is said of a controller that is no program.
+pub const NO_COMMAND: &str = "the scene names no `command` for it; add for example `command = [\"python3\", \"controller.py\"]`";
 
 /// The last lines of a process's error output.
 pub type Said = Arc<Mutex<VecDeque<String>>>;
@@ -49,18 +54,13 @@ impl Process {
         folder: &Path,
         python_path: Option<&OsStr>,
         limit: Duration,
+        consent: &Consent,
     ) -> Result<Self, String> {
-        let Some((program, arguments)) = command.split_first() else {
-            return Err(
-                "the scene names no `command` for it; add for example `command = [\"python3\", \"controller.py\"]`"
-                    .into(),
-            );
-        };
         let name = command.join(" ");
-        let mut prepared = Command::new(program);
+        let Ok(mut prepared) = program(command, folder, consent) else {
+            return Err(NO_COMMAND.into());
+        };
         prepared
-            .args(arguments)
-            .current_dir(folder)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
@@ -208,7 +208,7 @@ mod tests {
 
     fn start(script: &str, limit: Duration) -> Process {
         let command = ["sh", "-c", script].map(str::to_owned);
-        Process::start(&command, Path::new("."), None, limit).unwrap()
+        Process::start(&command, Path::new("."), None, limit, &Consent::typed()).unwrap()
     }
 
     #[test]
@@ -268,10 +268,11 @@ mod tests {
     #[test]
     fn a_program_that_is_not_there_is_named() {
         let command = ["no-such-program".to_owned()];
-        let error = Process::start(&command, Path::new("."), None, GRACE)
-            .err()
-            .unwrap();
+        let start = |command: &[String]| {
+            Process::start(command, Path::new("."), None, GRACE, &Consent::typed())
+        };
+        let error = start(&command).err().unwrap();
         assert!(error.contains("no-such-program"), "{error}");
-        assert!(Process::start(&[], Path::new("."), None, GRACE).is_err());
+        assert!(start(&[]).is_err());
     }
 }

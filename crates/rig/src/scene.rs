@@ -4,8 +4,9 @@ mod rest;
 mod truth;
 
 use super::command::OutsideCommand;
+use super::consent::Consent;
 use super::place::{problem_of, span_of};
-use super::process::Process;
+use super::process::{self, Process};
 use super::rest::Rest;
 use super::rig::{Rig, episode_name, failed, secs_of};
 use super::ros2::{self, Domains, Join, Ros2Controller};
@@ -79,7 +80,7 @@ impl SceneRig {
     /// scene's own tests, the first if it is not named.
     ///
     /// # Errors
-    /// `bad-scene`, `controller-failed`, `unknown-test`, each with its place where there is one.
+    /// `bad-scene`, `controller-failed`, `unknown-test`, `not-trusted`, each with its place where there is one.
     pub fn new(
         study: &Study,
         scene: &Path,
@@ -98,11 +99,12 @@ impl SceneRig {
             Ok(bytes)
         };
         check_ros2(source)?;
+        let consent = Consent::to_scene(study, scene, source, host)?;
         let made = SceneBench::new(
             &source.text,
             &read,
             physics.build,
-            starter(&folder, host.python_path.as_deref()),
+            starter(&folder, host.python_path.as_deref(), consent),
         );
         let (bench, gaps) = made.map_err(|error| scene_problem(source, &error))?;
         let (bench, truth) = truth::declared(bench, study, source)?;
@@ -395,21 +397,47 @@ fn plain(path: &Path) -> String {
 }
 
 /// Starts the scene's controllers in the scene's folder: as processes, or as
-/// nodes of ROS 2.
-fn starter(folder: &Path, python_path: Option<&OsStr>) -> StartController {
+/// nodes of ROS 2. Those alone whose words were allowed: settings of a test reach all of a scene's data.
+fn starter(
+    folder: &Path,
+    python_path: Option<&OsStr>,
+    consent: Option<(Consent, Vec<Vec<String>>)>,
+) -> StartController {
     let (folder, python_path) = (folder.to_owned(), python_path.map(OsStr::to_owned));
     let domains = Domains::default();
     Arc::new(move |data: &ControllerData| {
         let join = Join::of(data).map_err(|message| ControllerError::Failed { message })?;
+        let consent = consent_for(&data.command, consent.as_ref())
+            .map_err(|reason| ControllerError::Transport { reason })?;
         if let Some(join) = join {
-            let node = Ros2Controller::new(join, data, (&folder, python_path.as_deref()), &domains);
+            let place = (folder.as_path(), python_path.as_deref());
+            let node = Ros2Controller::new(join, data, place, &domains, consent);
             return Ok(Box::new(node) as Box<dyn Controller>);
         }
         let limit = Duration::from_secs_f64(data.answer_within_secs);
-        let process = Process::start(&data.command, &folder, python_path.as_deref(), limit)
+        let consent = consent.ok_or_else(|| ControllerError::Transport {
+            reason: process::NO_COMMAND.into(),
+        })?;
+        let python_path = python_path.as_deref();
+        let process = Process::start(&data.command, &folder, python_path, limit, consent)
             .map_err(|reason| ControllerError::Transport { reason })?;
         Ok(Box::new(RemoteController::connect(process)?) as Box<dyn Controller>)
     })
+}
+
+/// That these words may be started, if there are any.
+fn consent_for<'c>(
+    words: &[String],
+    given: Option<&'c (Consent, Vec<Vec<String>>)>,
+) -> Result<Option<&'c Consent>, String> {
+    match given {
+        _ if words.is_empty() => Ok(None),
+        Some((consent, known)) if known.iter().any(|it| it == words) => Ok(Some(consent)),
+        _ => Err(format!(
+            "`{}` is not a program that the scene's file names",
+            words.join(" ")
+        )),
+    }
 }
 
 fn chosen(

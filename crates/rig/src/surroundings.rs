@@ -14,11 +14,11 @@ const ANSWER: Duration = Duration::from_secs(10);
 const DDS_GROUP: Ipv4Addr = Ipv4Addr::new(239, 255, 0, 1);
 
 /// The first line that a program prints, if it ends well within ten seconds; its search path for Python's modules is given, if there is
-/// one.
+/// one. Its words are those of this program: nothing that a study says can be given.
 ///
 /// # Errors
 /// In words: it cannot be started, failed, or did not end.
-pub fn first_line(words: &[&str], python_path: Option<&OsStr>) -> Result<String, String> {
+pub fn first_line(words: &[&'static str], python_path: Option<&OsStr>) -> Result<String, String> {
     let (program, arguments) = words.split_first().ok_or("no program is named")?;
     let mut command = Command::new(program);
     command

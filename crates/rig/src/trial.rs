@@ -14,6 +14,7 @@
 //! A command that cannot be started at all is a mistake of the call and not an outcome. What it prints is kept.
 
 use crate::command::once;
+use crate::consent::Consent;
 use crate::group;
 use diagnostic::Problem;
 use host::Cancel;
@@ -77,13 +78,14 @@ impl TrialCommand {
         cancel: &Cancel,
     ) -> Result<TrialEnd, Problem> {
         let words = self.of(seed, trial);
-        let running = once::start(&words, &self.folder, said).map_err(|problem| {
-            if problem.code != "episode-failed" {
-                return problem;
-            }
-            let remedy = "check the program's name behind `--`, and that it may be executed";
-            Problem::new("test-cannot-start", problem.message()).remedy(remedy)
-        })?;
+        let running =
+            once::start(&words, &self.folder, said, &Consent::typed()).map_err(|problem| {
+                if problem.code != "episode-failed" {
+                    return problem;
+                }
+                let remedy = "check the program's name behind `--`, and that it may be executed";
+                Problem::new("test-cannot-start", problem.message()).remedy(remedy)
+            })?;
         let status = running.wait(self.limit.unwrap_or(NO_LIMIT), cancel)?;
         Ok(match (status, self.limit) {
             (Some(status), _) => self.end(status),

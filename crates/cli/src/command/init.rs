@@ -1,6 +1,6 @@
 //! `corroborate init`: a new study, from a template or drafted from a robot's description, a recording or a behaviour tree.
 
-use super::{Done, json};
+use super::{Done, Host, json};
 use crate::args::Init;
 use corroborate::Outcome;
 use corroborate::init::{InitReport, InitRequest, InitSource, NewFile, Template};
@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Makes the folder and its files, with the schemas of all files that a study may have.
-pub fn init(arguments: &Init) -> Result<Done, Problem> {
+pub fn init(arguments: &Init, setting: &Host) -> Result<Done, Problem> {
     let folder = &arguments.folder;
     let template = arguments.template.as_deref().map(Template::named);
     let template = template.transpose()?.unwrap_or_default();
@@ -22,6 +22,12 @@ pub fn init(arguments: &Init) -> Result<Done, Problem> {
         recordings: arguments.recordings.clone(),
         extra: schemas()?,
     })?;
+    // Who has it made is who will write it: its programs may run.
+    if let Err(problem) = corroborate::consent::own(folder, setting) {
+        setting.events.say(&format!(
+            "the study is not recorded as yours, so its programs are asked for: {problem}"
+        ));
+    }
     Ok(Done {
         output: text(folder, &report),
         outcome: Outcome::Holds,

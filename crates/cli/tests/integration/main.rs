@@ -15,6 +15,7 @@ mod cohorts_apart;
 mod command_rig;
 mod commands;
 mod conditions;
+mod consent;
 mod copies;
 mod corridor;
 mod counted_once;

@@ -596,7 +596,7 @@ impl<'a> Fitting<'a> {
 
     /// The findings of the first episodes of a command; none where one of them fails.
     fn run(&self, command: &CommandText, episodes: u64) -> Result<Option<Vec<Finding>>, Problem> {
-        let outside = OutsideCommand::new(self.study, command, None)?;
+        let outside = OutsideCommand::new(self.study, command, None, self.setting)?;
         outside.prepare(&self.folder)?;
         let judges = Judges::new(self.study, |_| true)?;
         let entry = self.study.entry(&self.wanted.entry)?;

@@ -23,6 +23,7 @@ pub(super) struct Runner<'a> {
 impl Runner<'_> {
     /// The evidence of all entries, or of those that `only` names if it names any.
     pub(super) fn pieces(&self, only: &[String]) -> Result<Vec<Piece>, Problem> {
+        self.refuse_what_is_not_allowed(only)?;
         let mut pieces: Vec<Piece> = Vec::new();
         let mut missing: Option<(&str, Problem)> = None;
         for (entry, prepared) in self.ready.entries() {
@@ -43,6 +44,31 @@ impl Runner<'_> {
             "{id} could not be produced, so nothing is compared"
         ));
         Err(problem)
+    }
+
+    /// Before anything runs: whether a program would have to run that the user has not allowed.
+    fn refuse_what_is_not_allowed(&self, only: &[String]) -> Result<(), Problem> {
+        for (entry, prepared) in self.ready.entries() {
+            let is_asked_for = only.is_empty() || only.contains(&entry.id);
+            let Some(problem) = prepared.work.not_allowed().filter(|_| is_asked_for) else {
+                continue;
+            };
+            // Where there is an obstacle, what was kept cannot be told to be fresh.
+            if prepared.work.obstacle().is_some() || !self.is_fresh(entry, prepared)? {
+                return Err(problem.clone());
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether what was kept is fresh of an entry that depends on no evidence before it.
+    fn is_fresh(&self, entry: &Entry, prepared: &Opened<'_>) -> Result<bool, Problem> {
+        let counted = self.ready.counted(entry, prepared, &[])?;
+        let inputs = self.ready.inputs(entry, prepared, &counted)?;
+        let kept = self
+            .store
+            .fresh::<Produced>(&evidence_file(&entry.id), &inputs);
+        Ok(kept.is_some())
     }
 
     /// What the pieces say together: kept, if nothing has changed, or compared.

@@ -92,6 +92,9 @@ pub trait Prepared {
     /// Why it cannot be produced here, if so; said when its turn comes, so that all else still runs.
     fn obstacle(&self) -> Option<&Problem>;
 
+    /// Why it may not be produced here, if the user has not allowed the programs that would run for it. What is fresh needs none.
+    fn not_allowed(&self) -> Option<&Problem>;
+
     /// What is found.
     ///
     /// # Errors

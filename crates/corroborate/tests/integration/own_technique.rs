@@ -162,6 +162,10 @@ impl Prepared for Tosses<'_> {
         None
     }
 
+    fn not_allowed(&self) -> Option<&Problem> {
+        None
+    }
+
     fn produce(&self, _: &Working<'_>) -> Result<Produced, Problem> {
         self.found()
     }

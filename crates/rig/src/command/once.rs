@@ -1,12 +1,14 @@
 //! A process for each episode.
 
+use crate::consent::Consent;
 use crate::group::{Group, LOOK, Request};
+use crate::start::program;
 use diagnostic::Problem;
 use host::Cancel;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 /// How long a command has to end by itself once it is asked to.
@@ -15,17 +17,17 @@ const GRACE: Duration = Duration::from_secs(2);
 const SHOWN_LINES: usize = 12;
 
 /// Starts a command in `folder`; what it prints goes to the file `said`.
-pub(crate) fn start(words: &[String], folder: &Path, said: &Path) -> Result<Running, Problem> {
+pub(crate) fn start(
+    words: &[String],
+    folder: &Path,
+    said: &Path,
+    consent: &Consent,
+) -> Result<Running, Problem> {
     let unwritable = |error: std::io::Error| Problem::cannot_write(said, &error);
     let output = File::create(said).map_err(unwritable)?;
     let errors = output.try_clone().map_err(unwritable)?;
-    let mut command = Command::new(&words[0]);
-    command
-        .args(&words[1..])
-        .current_dir(folder)
-        .stdin(Stdio::null())
-        .stdout(output)
-        .stderr(errors);
+    let mut command = program(words, folder, consent).map_err(|error| cannot_start("", error))?;
+    command.stdin(Stdio::null()).stdout(output).stderr(errors);
     let started = Group::start(command);
     let group = started.map_err(|error| cannot_start(&words[0], &error.to_string()))?;
     Ok(Running(group))

@@ -17,11 +17,12 @@
 use super::once;
 use super::persistent::{Episode, Pool, Program};
 use crate::asset;
+use crate::consent::Consent;
 use diagnostic::{Problem, Source};
 use evidence::{Asset, AssetRole, Tool};
-use host::Cancel;
 use host::files::write_whole;
 use host::store::Inputs;
+use host::{Cancel, Host};
 use judging::recording::ReadingRules;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -48,10 +49,13 @@ pub struct OutsideCommand {
     rules: ReadingRules,
     /// The topic map.
     map: String,
+    /// That it may run, or why not.
+    consent: Result<Consent, Problem>,
 }
 
 impl OutsideCommand {
-    /// The command of a ledger's entry with everything that it names; `stimulus` stands in for the text of its stimulus.
+    /// The command of a ledger's entry with everything that it names; `stimulus` stands in for the text of its stimulus. Where the
+    /// user has not allowed it, it is opened all the same, and does not run.
     ///
     /// # Errors
     /// `cannot-read`, `bad-stimulus`, and what the topic map says wrong.
@@ -59,6 +63,7 @@ impl OutsideCommand {
         study: &Study,
         text: &CommandText,
         stimulus: Option<&Source>,
+        host: &Host,
     ) -> Result<Self, Problem> {
         let cannot = |error| Problem::cannot_read(&study.folder, &error);
         let folder = std::fs::canonicalize(&study.folder).map_err(cannot)?;
@@ -75,6 +80,7 @@ impl OutsideCommand {
         let map = study.folder.join("topics.toml");
         Ok(Self {
             words: text.command.clone(),
+            consent: Consent::to_command(study, &text.command, host),
             stimulus: match (&text.stimulus, stimulus) {
                 (Some(path), Some(source)) => stimulus_of(path, source)?,
                 (Some(path), None) => {
@@ -111,6 +117,11 @@ impl OutsideCommand {
                 }
             ),
         }
+    }
+
+    /// Why it may not run, if so.
+    pub fn obstacle(&self) -> Option<&Problem> {
+        self.consent.as_ref().err()
     }
 
     /// The files on which it rests.
@@ -218,12 +229,13 @@ impl OutsideCommand {
         recording: &Path,
         interrupt: &Cancel,
     ) -> Result<Option<Failure>, Problem> {
+        let consent = self.consent.as_ref().map_err(Problem::clone)?;
         let given = self.given(own.unwrap_or(&self.stimulus.fixed), seed);
         let stimulus = beside(recording, "stimulus.json");
         write_whole(&stimulus, given.to_json().as_bytes())?;
         let failed = match &self.pool {
-            None => self.run_once(&stimulus, seed, recording, interrupt),
-            Some(pool) => self.run_in(pool, &stimulus, seed, recording, interrupt),
+            None => self.run_once((&stimulus, seed, recording), consent, interrupt),
+            Some(pool) => self.run_in(pool, (&stimulus, seed, recording), consent, interrupt),
         };
         Self::remove(&stimulus);
         Ok(failed?.map(|(is_hung, reason)| Failure {
@@ -237,9 +249,8 @@ impl OutsideCommand {
     /// In a process of its own: whether it hung, and what went wrong.
     fn run_once(
         &self,
-        stimulus: &Path,
-        seed: u64,
-        recording: &Path,
+        (stimulus, seed, recording): (&Path, u64, &Path),
+        consent: &Consent,
         interrupt: &Cancel,
     ) -> Result<Option<(bool, String)>, Problem> {
         let said = beside(recording, "said");
@@ -249,7 +260,7 @@ impl OutsideCommand {
                 .replace("{recording}", &recording.to_string_lossy())
         });
         let words: Vec<String> = words.collect();
-        let running = once::start(&words, &self.folder, &said)?;
+        let running = once::start(&words, &self.folder, &said, consent)?;
         let (is_hung, reason) = match running.wait(self.limit, interrupt)? {
             None => (
                 true,
@@ -274,15 +285,15 @@ impl OutsideCommand {
     fn run_in(
         &self,
         pool: &Pool,
-        stimulus: &Path,
-        seed: u64,
-        recording: &Path,
+        (stimulus, seed, recording): (&Path, u64, &Path),
+        consent: &Consent,
         interrupt: &Cancel,
     ) -> Result<Option<(bool, String)>, Problem> {
         let program = Program {
             words: &self.words,
             folder: &self.folder,
             limit: self.limit,
+            consent,
         };
         let episode = Episode {
             stimulus,

@@ -6,14 +6,16 @@
 //! command` says so.
 
 use super::once::cannot_start;
+use crate::consent::Consent;
 use crate::group::{Group, LOOK, Request};
 use crate::process::{Said, indented, keep_lines};
+use crate::start;
 use diagnostic::Problem;
 use host::Cancel;
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
-use std::process::{ChildStdin, Command, Stdio};
+use std::process::{ChildStdin, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -30,6 +32,8 @@ pub(super) struct Program<'a> {
     pub(super) folder: &'a Path,
     /// How long an episode may take; the first of a process includes its start.
     pub(super) limit: Duration,
+    /// That it may run.
+    pub(super) consent: &'a Consent,
 }
 
 /// What is asked.
@@ -103,10 +107,9 @@ struct Serving {
 
 impl Serving {
     fn start(program: &Program<'_>) -> Result<Self, Problem> {
-        let mut command = Command::new(&program.words[0]);
+        let command = start::program(program.words, program.folder, program.consent);
+        let mut command = command.map_err(|error| cannot_start("", error))?;
         command
-            .args(&program.words[1..])
-            .current_dir(program.folder)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());

@@ -35,6 +35,7 @@ mod link;
 mod node;
 mod table;
 
+use crate::consent::Consent;
 use domains::Domain;
 pub use domains::Domains;
 use link::Link;
@@ -53,6 +54,8 @@ pub struct Ros2Controller {
     command: Vec<String>,
     folder: PathBuf,
     python_path: Option<OsString>,
+    /// That its program may run; a node without one needs none.
+    consent: Option<Consent>,
     longest: Duration,
     domains: Domains,
     link: Option<Link>,
@@ -77,6 +80,7 @@ impl Ros2Controller {
         data: &ControllerData,
         (folder, python_path): (&Path, Option<&OsStr>),
         domains: &Domains,
+        consent: Option<&Consent>,
     ) -> Self {
         Self {
             description: join.describe(data),
@@ -84,6 +88,7 @@ impl Ros2Controller {
             command: data.command.clone(),
             folder: folder.to_owned(),
             python_path: python_path.map(OsStr::to_owned),
+            consent: consent.cloned(),
             longest: Duration::from_secs_f64(data.answer_within_secs),
             domains: domains.clone(),
             link: None,
@@ -144,9 +149,9 @@ impl Controller for Ros2Controller {
         // An episode before this one gives its domain back first.
         self.link = None;
         let mut link = Link::new(&self.join, setup, self.domain()?, self.longest)?;
-        if !self.command.is_empty() {
+        if let Some(consent) = self.consent.as_ref().filter(|_| !self.command.is_empty()) {
             let place = (self.folder.as_path(), self.python_path.as_deref());
-            let node = Node::start(&self.command, place, link.domain(), setup);
+            let node = Node::start(&self.command, place, link.domain(), setup, consent);
             link.keep(node.map_err(|reason| ControllerError::Transport { reason })?);
         }
         link.wake(self.join.settle_secs.map(Duration::from_secs_f64))?;

@@ -1,11 +1,13 @@
 //! A node of ROS 2 that is started for an episode and ended with it.
 
+use crate::consent::Consent;
 use crate::group::{Group, Request};
 use crate::process::{Said, indented, keep_lines};
 use crate::processor::Counted;
+use crate::start::program;
 use std::ffi::OsStr;
 use std::path::Path;
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{ExitStatus, Stdio};
 use std::time::Duration;
 use testbench::controller::Setup;
 
@@ -27,16 +29,12 @@ impl Node {
         (folder, python_path): (&Path, Option<&OsStr>),
         domain: u16,
         setup: &Setup,
+        consent: &Consent,
     ) -> Result<Self, String> {
         let name = command.join(" ");
-        let Some((program, arguments)) = command.split_first() else {
-            return Err("no program is named".into());
-        };
-        let mut prepared = Command::new(program);
+        let mut prepared = program(command, folder, consent)?;
         prepared
-            .args(arguments)
             .args(parameters(setup))
-            .current_dir(folder)
             .env("ROS_DOMAIN_ID", domain.to_string())
             .env("PYTHONHASHSEED", "0")
             .stdin(Stdio::null())
@@ -136,7 +134,9 @@ mod tests {
         let command = format!("{work}; echo $ROS_DOMAIN_ID; exec sleep 600");
         let command = ["sh", "-c", &command].map(str::to_owned);
         let setup = Setup::default();
-        let mut node = Node::start(&command, (Path::new("."), None), 42, &setup).expect("started");
+        let place = (Path::new("."), None);
+        let mut node =
+            Node::start(&command, place, 42, &setup, &Consent::typed()).expect("started");
         while !node.last_words().contains("    42") {
             std::thread::sleep(crate::group::LOOK);
         }

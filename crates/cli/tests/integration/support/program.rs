@@ -16,14 +16,16 @@ pub struct Said {
     pub talk: String,
 }
 
-/// The program with arguments, in a folder, without the environment's settings for it and without physics.
+/// The program with arguments, in a folder, without the environment's settings for it and without physics; every study may run
+/// its programs, so that nothing is recorded.
 pub fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_corroborate"));
     command
         .args(arguments)
         .current_dir(folder)
         .stdin(Stdio::null())
-        .env("CORROBORATE_MUJOCO", "");
+        .env("CORROBORATE_MUJOCO", "")
+        .env("CORROBORATE_TRUST", "/");
     command
 }
 

@@ -11,6 +11,7 @@ use crate::verify::{Audit, check_intervals, same_values};
 use diagnostic::Problem;
 use evidence::AssetRole;
 use host::store::{Inputs, is_stage_of};
+use rig::consent::NOT_ALLOWED;
 use rig::{OutsideCommand, Rig};
 use std::path::Path;
 use study::Simulated;
@@ -23,7 +24,7 @@ pub(super) struct Episodes<'t> {
 
 struct Ready<'a> {
     asked: Asked<'a>,
-    /// What gives the episodes; an error if the physics library is missing.
+    /// What gives the episodes; an error if the physics library is missing, or programs that it starts are not allowed.
     rig: Result<Box<dyn Rig>, Problem>,
     count: u64,
 }
@@ -38,10 +39,12 @@ impl Technique for Episodes<'_> {
         let read = |path: &Path| files.text(AssetRole::SystemModel, path);
         let opening = Opening {
             read: Some(&read),
+            only_looked_at: true,
             ..Opening::new(study, host)
         };
+        let is_obstacle = |code: &str| ["no-physics-library", NOT_ALLOWED].contains(&code);
         let rig = match opening.open(self.of) {
-            Err(problem) if problem.code != "no-physics-library" => return Err(problem),
+            Err(problem) if !is_obstacle(problem.code) => return Err(problem),
             rig => rig,
         };
         for asset in rig.iter().flat_map(|rig| rig.assets()) {
@@ -212,6 +215,14 @@ impl Prepared for Ready<'_> {
 
     fn obstacle(&self) -> Option<&Problem> {
         self.rig.as_ref().err()
+    }
+
+    /// A scene's programs are asked what they send before anything is known of it; a command runs with its first episode.
+    fn not_allowed(&self) -> Option<&Problem> {
+        match &self.rig {
+            Ok(rig) => rig.leaves().and_then(OutsideCommand::obstacle),
+            Err(problem) => Some(problem).filter(|it| it.code == NOT_ALLOWED),
+        }
     }
 
     fn produce(&self, working: &Working<'_>) -> Result<Produced, Problem> {

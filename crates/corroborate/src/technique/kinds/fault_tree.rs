@@ -481,6 +481,10 @@ impl Prepared for Ready<'_> {
         None
     }
 
+    fn not_allowed(&self) -> Option<&Problem> {
+        None
+    }
+
     fn produce(&self, working: &Working<'_>) -> Result<Produced, Problem> {
         self.analysed(working.counted)
     }

@@ -86,6 +86,10 @@ impl Prepared for Ready<'_> {
         None
     }
 
+    fn not_allowed(&self) -> Option<&Problem> {
+        None
+    }
+
     fn produce(&self, working: &Working<'_>) -> Result<Produced, Problem> {
         let (id, host) = (&self.asked.entry.id, self.asked.host);
         let begin = |title: &str, total: u64| host.events.begin(title, total);

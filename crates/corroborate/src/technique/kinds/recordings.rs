@@ -79,6 +79,10 @@ impl Prepared for Ready<'_> {
         None
     }
 
+    fn not_allowed(&self) -> Option<&Problem> {
+        None
+    }
+
     /// Judges recordings; what each form says of each is kept for a diagnosis.
     fn produce(&self, working: &Working<'_>) -> Result<Produced, Problem> {
         let (study, id, host) = (self.asked.study, &self.asked.entry.id, self.asked.host);

@@ -74,6 +74,10 @@ impl Prepared for Ready<'_> {
         None
     }
 
+    fn not_allowed(&self) -> Option<&Problem> {
+        None
+    }
+
     fn produce(&self, _: &Working<'_>) -> Result<Produced, Problem> {
         let (study, entry) = (self.asked.study, self.asked.entry);
         self.tables.produce(study, &entry.id, self.technique)

@@ -1,0 +1,69 @@
+//! Records as files that only their user may read and write.
+
+use super::records::Record;
+use diagnostic::Problem;
+use host::store::hash_of;
+use std::path::{Path, PathBuf};
+
+/// More than a record has: a hundred bytes for each file.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// The file of a study's record.
+pub(super) fn file_of(records: &Path, study: &Path) -> PathBuf {
+    let name = hash_of(study.as_os_str().as_encoded_bytes());
+    records.join(format!("{}.json", &name[..32]))
+}
+
+/// A record, if there is one.
+///
+/// # Errors
+/// Why it does not count, in words.
+pub(super) fn read(file: &Path) -> Result<Option<Record>, String> {
+    if !file.exists() {
+        return Ok(None);
+    }
+    is_only_mine(file)?;
+    let bytes = host::files::read_file(file, MOST_BYTES).map_err(|problem| problem.line())?;
+    let record = serde_json::from_slice(&bytes);
+    let cannot = |error: serde_json::Error| format!("{} is damaged: {error}", file.display());
+    record.map(Some).map_err(cannot)
+}
+
+/// Whoever may write a record may run programs as this user.
+fn is_only_mine(file: &Path) -> Result<(), String> {
+    use std::os::unix::fs::MetadataExt;
+    let known = std::fs::symlink_metadata(file);
+    let known = known.map_err(|error| format!("{}: {error}", file.display()))?;
+    let is_mine = known.uid() == rustix::process::geteuid().as_raw();
+    match known.is_file() && is_mine && known.mode() & 0o022 == 0 {
+        true => Ok(()),
+        false => Err(format!(
+            "the record {} could have been written by others, so it does not count",
+            file.display()
+        )),
+    }
+}
+
+/// Writes a record whole, for its user alone.
+pub(super) fn write(file: &Path, record: &Record) -> Result<(), Problem> {
+    let bytes = serde_json::to_vec_pretty(record).unwrap_or_default();
+    host::files::write_private(file, &bytes)
+}
+
+/// All records that can be read, by their studies.
+pub(super) fn all(records: &Path) -> Vec<Record> {
+    let entries = std::fs::read_dir(records).into_iter().flatten().flatten();
+    let found = entries.filter_map(|entry| read(&entry.path()).ok().flatten());
+    let mut found: Vec<Record> = found.collect();
+    found.sort_by(|a, b| a.study.cmp(&b.study));
+    found
+}
+
+/// Removes a record; whether there was one.
+pub(super) fn remove(file: &Path) -> Result<bool, Problem> {
+    match std::fs::remove_file(file) {
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(Problem::cannot_write(file, &error)),
+    }
+}
