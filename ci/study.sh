@@ -12,6 +12,7 @@
 #   CORROBORATE_FAIL_ON  what fails: `regression` (default): a verdict that got worse, or a rate that did beyond chance and beyond the margin,
 #                        against the baseline, and without one a violated requirement; `violation`: also a requirement that was violated before;
 #                        `undecided`: also one that is not decided; `never`: mistakes of the study alone
+#   CORROBORATE_TRUST    folders, separated by colons, whose studies may run the programs that they name; a study that names none needs none
 #
 # Exits 0 if the change may go on, 1 if not, and as the program where that ends with a mistake (2), a lost result or an interruption.
 set -u

@@ -107,6 +107,9 @@ pub struct Arguments {
     /// Run the programs that the study names, this once (`corroborate trust STUDY` shows and allows them).
     #[arg(long, global = true)]
     pub trust: bool,
+    /// Let the study read in this folder, too (may be repeated).
+    #[arg(long, global = true, value_name = "FOLDER")]
+    pub allow: Vec<PathBuf>,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,

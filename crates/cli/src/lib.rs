@@ -38,7 +38,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         build: corroborate::build(),
         python_path: python_path::of_environment(),
         scratch: std::env::temp_dir(),
-        trust: trust::of_environment(parsed.trust),
+        trust: host::Trust {
+            readable: parsed.allow,
+            ..trust::of_environment(parsed.trust)
+        },
         memory: Arc::new(memory::Memory::unlimited()),
     };
     match command::carry_out(&parsed.command, &host) {

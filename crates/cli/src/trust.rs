@@ -12,6 +12,7 @@ const RECORDS: &str = "corroborate/trust";
 pub fn of_environment(is_given: bool) -> Trust {
     Trust {
         is_given,
+        readable: Vec::new(),
         folders: folders(std::env::var_os("CORROBORATE_TRUST")),
         records: records(std::env::var_os("XDG_STATE_HOME"), std::env::var_os("HOME")),
     }

@@ -1,8 +1,9 @@
 //! Results in the formats of continuous integration: JUnit XML, Markdown, and SARIF with places in the study's files.
 
 use crate::args::Written;
-use diagnostic::{Place, Problem, line_and_column};
+use diagnostic::{Place, Problem, Problems, line_and_column};
 use evidence::{StudyResult, Subject, Verdict};
+use host::Trust;
 use host::files::write_whole_or_through;
 use judging::forms::drift::Drift;
 use report::sarif::{Alert, Gravity, Spot, sarif};
@@ -68,7 +69,8 @@ fn spot(place: &Place) -> Spot {
 
 /// What is violated, and of which evidence conflicts (as the exit code has it), at the requirement in the study's file.
 pub fn of_study(folder: &Path, result: &StudyResult) -> Vec<Alert> {
-    let study = Study::load(folder).ok();
+    // Where requirements stand is all that is asked of it, whatever else is wrong.
+    let study = Study::read_for(folder, &Trust::default(), &mut Problems::new()).ok();
     let spot = |subject: &Subject| study.as_ref().and_then(|study| requirement(study, subject));
     let found = result.conclusions.iter().filter_map(|conclusion| {
         let (rule, gravity) = match conclusion.verdict {

@@ -61,7 +61,7 @@ impl CalibrateRequest {
 /// host was asked to stop; `results-in-use` if another call writes to the same folder; `no-physics-library` if episodes cannot
 /// be simulated here.
 pub fn calibrate(request: &CalibrateRequest, host: &Host) -> Result<CalibrationReport, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let source = host::files::read_source(&request.file)?;
     let text = CalibrationText::read(&source)?;
     let level = confidence(text.confidence)?;

@@ -81,7 +81,7 @@ fn carried_out(
     host: &Host,
     draw: Option<&dyn Fn(&StudyResult) -> String>,
 ) -> Result<Diagnosis, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let folder = results_folder(&request.study, request.out.as_deref());
     let mut result = read_current_result(&request.study, &folder)?;
     for piece in &result.evidence {
@@ -132,7 +132,7 @@ pub struct PathStep {
 /// # Errors
 /// `bad-path` if no path has the name; `open-choices` if the model leaves choices open; what the study's files say wrong.
 pub fn sampled_path(study: &Path, name: &str, host: &Host) -> Result<SampledPath, Problem> {
-    let study = Study::load(study)?;
+    let study = Study::load_for(study, &host.trust)?;
     let wrong = || {
         Problem::new(
             "bad-path",

@@ -62,7 +62,7 @@ impl EnginesRequest {
 /// What the study's files say wrong; `one-engine` and `not-a-simulation` if the entry cannot be run so; `interrupted` if the
 /// host was asked to stop; `no-physics-library` if episodes cannot be simulated here.
 pub fn engines(request: &EnginesRequest, host: &Host) -> Result<EnginesReport, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let entry = study.entry(&request.evidence)?;
     let (rigs, names) = match &request.against {
         Some(other) => two_entries(&study, [entry, study.entry(other)?], host)?,

@@ -87,7 +87,7 @@ impl ExploreRequest {
 /// What the study's files say wrong, each with its place, before anything runs; `not-a-simulation` if the evidence has no
 /// bench; `no-physics-library` if episodes cannot be simulated here.
 pub fn explore(request: &ExploreRequest, host: &Host) -> Result<ExplorationReport, Problem> {
-    let study = study_of(&request.study, request.seed)?;
+    let study = study_of(&request.study, request.seed, host)?;
     let plan = plan_of(&study, &request.file, request.episodes)?;
     let bench = bench_of(&study, &plan, false, host)?;
     let folder = folder_of(&study, request.out.as_deref());
@@ -121,8 +121,8 @@ pub fn explore(request: &ExploreRequest, host: &Host) -> Result<ExplorationRepor
 }
 
 /// The study, with the seed that is asked for.
-fn study_of(folder: &Path, seed: Option<u64>) -> Result<Study, Problem> {
-    let mut study = Study::load(folder)?;
+fn study_of(folder: &Path, seed: Option<u64>, host: &Host) -> Result<Study, Problem> {
+    let mut study = Study::load_for(folder, &host.trust)?;
     study.about.seed = seed.unwrap_or(study.about.seed);
     Ok(study)
 }

@@ -156,7 +156,7 @@ pub fn pack(
     let folder = results_folder(&request.study, request.out.as_deref());
     let to = request.to.clone().unwrap_or_else(|| folder.join(PACK));
     replaces_no_other(&to)?;
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let result = read_current_result(&request.study, &folder)?;
     is_fresh(request, host)?;
     let verified = follows(request, &folder, host, drawing)?;

@@ -61,7 +61,7 @@ impl RareRequest {
 /// was asked to stop; `results-in-use` if another call writes to the same folder; `no-physics-library` if episodes cannot be
 /// simulated here.
 pub fn rare(request: &RareRequest, host: &Host) -> Result<RareReport, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let source = host::files::read_source(&request.file)?;
     let text = RareText::read(&source)?;
     check_only(&request.only, &text)?;

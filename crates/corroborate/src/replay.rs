@@ -129,7 +129,7 @@ fn carried_out(
     host: &Host,
     draw: Option<Draw<'_>>,
 ) -> Result<ReplayReport, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     refuse_unknown(&study, &request.only)?;
     let (episode, bench) = Episode::named(&study, &request.episode, host)?;
     let judge = match &episode.shows {

@@ -160,7 +160,7 @@ pub fn requirements(
     request: &RequirementsRequest,
     host: &Host,
 ) -> Result<RequirementsReport, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let forms = forms_of(&study);
     let found = of_study(&study);
     let subjects = study.forms.subjects.iter();

@@ -124,7 +124,11 @@ impl<'a> Opening<'a> {
         match (self.instead, self.read) {
             (Some((replaced, text)), _) if path == replaced => Ok(text.clone()),
             (_, Some(read)) => read(path),
-            (_, None) => host::files::read_source(&self.study.folder.join(path)),
+            (_, None) => {
+                let full = self.study.folder.join(path);
+                self.study.reach.check(&full)?;
+                host::files::read_source(&full)
+            }
         }
     }
 }

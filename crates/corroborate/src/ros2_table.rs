@@ -13,6 +13,7 @@
 //! held), `"time"` (of the row), a number, a truth value, or `{ text = "…" }`.
 
 use diagnostic::{Problem, Source};
+use host::Reach;
 use host::files::write_whole;
 use recording::{Ros2Source, Ros2Topic, Ros2TraceOptions, ros2_recording_of};
 use schemars::JsonSchema;
@@ -66,8 +67,9 @@ pub fn schema() -> schemars::Schema {
 
 impl Ros2Table {
     /// Reads the table that lies beside `scenario`.
-    pub fn beside(scenario: &Path) -> Result<Self, Problem> {
+    pub fn beside(scenario: &Path, reach: &Reach) -> Result<Self, Problem> {
         let path = scenario.with_file_name(FILE);
+        reach.check(&path)?;
         if !path.exists() {
             return Err(
                 Problem::new("no-ros2-table", format!("there is no {}", path.display())).remedy(

@@ -174,7 +174,7 @@ fn carried_out(
 /// All mistakes of its files and of those that they name.
 pub(crate) fn loaded(request: &RunRequest, host: &Host) -> Result<Study, Problem> {
     let mut found = Problems::new();
-    let study = Study::read(&request.study, &mut found)?;
+    let study = Study::read_for(&request.study, &host.trust, &mut found)?;
     if !found.is_empty() {
         prepare::look_further(&study, &request.techniques, host, &mut found);
         return found.or(study);

@@ -83,7 +83,7 @@ impl ShrinkRequest {
 /// not say which episode and what of it; `already-there` if there is a regression of that name; `not-shown` if the episode
 /// does not show it; `no-margin` if it is not violated by the margin that is asked for; `no-physics-library` if it cannot be simulated here.
 pub fn shrink(request: &ShrinkRequest, host: &Host) -> Result<ShrinkReport, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let subject = Subject::of(&study, request, host)?;
     let target = target(&study, request, &subject)?;
     let Subject { finding, bench, .. } = &subject;
@@ -143,12 +143,13 @@ fn options(
     host: &Host,
 ) -> Result<ShrinkOptions, Problem> {
     let budget = usize::try_from(request.budget).unwrap_or(usize::MAX);
+    let is_asked = request.exploration.is_some();
     let plan = match exploration(study, request, finding) {
-        Some(file) => Some((Plan::load(&study.folder, &file)?, file)),
+        Some(file) if is_asked => Some((Plan::load(&study.folder, &file)?, file)),
+        Some(file) => Some((Plan::of_study(study, &file)?, file)),
         None => None,
     };
     // Another bench has other keys.
-    let is_asked = request.exploration.is_some();
     let fits = |plan: &Plan| is_asked || plan.data.evidence == finding.bench.evidence;
     let Some((plan, file)) = plan.filter(|(plan, _)| fits(plan)) else {
         host.events

@@ -271,6 +271,7 @@ impl Lock {
     /// # Errors
     /// `held`; `cannot-write` if the file system has no locks.
     pub fn take(path: &Path, held: impl FnOnce() -> Problem) -> Result<Option<Self>, Problem> {
+        not_through_a_link(path)?;
         for _ in 0..LOCK_TRIES {
             let mut options = File::options();
             let file = match options.create(true).truncate(false).write(true).open(path) {
@@ -304,6 +305,23 @@ impl Lock {
             }
         }
         Err(held())
+    }
+}
+
+/// Fails if a path that is to be opened for writing is a link, which somebody else may have laid.
+///
+/// # Errors
+/// `cannot-write`.
+pub fn not_through_a_link(path: &Path) -> Result<(), Problem> {
+    match path.is_symlink() {
+        false => Ok(()),
+        true => {
+            let message = format!(
+                "{} is a link, and nothing is written through it",
+                path.display()
+            );
+            Err(Problem::new("cannot-write", message).remedy("remove the link"))
+        }
     }
 }
 

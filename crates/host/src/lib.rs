@@ -6,6 +6,7 @@
 pub mod events;
 pub mod files;
 mod memory;
+pub mod reach;
 pub mod store;
 pub mod system;
 mod trust;
@@ -13,6 +14,7 @@ mod trust;
 pub use diagnostic::Cancel;
 pub use events::{Event, Events, Stage};
 pub use memory::{MemoryBudget, Unlimited};
+pub use reach::Reach;
 pub use trust::Trust;
 
 use diagnostic::Problem;

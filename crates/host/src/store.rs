@@ -4,7 +4,7 @@
 //! the assets, the settings, and this program itself. If the hash is the same,
 //! the work is not done again; if it differs, the result is stale.
 
-use crate::files::write_whole;
+use crate::files::{not_through_a_link, write_whole};
 use diagnostic::Problem;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
@@ -41,6 +41,7 @@ impl Store {
     pub fn open(folder: &Path) -> Result<Self, Problem> {
         let fail = |error: std::io::Error| Problem::cannot_write(folder, &error);
         std::fs::create_dir_all(folder).map_err(fail)?;
+        not_through_a_link(&folder.join(".lock"))?;
         let lock = File::options()
             .create(true)
             .truncate(false)

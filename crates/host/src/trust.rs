@@ -12,6 +12,8 @@ pub struct Trust {
     pub is_given: bool,
     /// Folders of the user: programs of studies in and below them may run.
     pub folders: Vec<PathBuf>,
+    /// Folders in which studies may read, beside their own; their programs may not run for that.
+    pub readable: Vec<PathBuf>,
     /// The folder that keeps which studies were allowed; `None` if there is no place for it.
     pub records: Option<PathBuf>,
 }

@@ -23,7 +23,7 @@ use temporal::monitor::Verdict;
 
 /// Judges recordings. Warnings and progress go to the host's events.
 pub fn monitor(request: &MonitorRequest, host: &Host) -> Result<MonitorReport, Problem> {
-    let asked = Asked::new(&request.monitored)?;
+    let asked = Asked::new(&request.monitored, host)?;
     let work = Work {
         request,
         host,

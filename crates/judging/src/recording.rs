@@ -7,6 +7,7 @@ mod losses;
 
 use crate::{Judgement, Judges, Losses, News, Session, Shown, valueless_of};
 use diagnostic::Problem;
+use host::{Reach, Trust};
 use recording::{Moment, OpenOptions, SignalStream, TimeSource, TopicMap};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -58,7 +59,10 @@ impl ReadingRules {
         let of_study = folder.join(TOPIC_MAP);
         let path = match map {
             Some(path) => path.to_owned(),
-            None if of_study.exists() => of_study,
+            None if of_study.exists() => {
+                Reach::of(folder, &Trust::default()).check(&of_study)?;
+                of_study
+            }
             None => return Ok(Self::default()),
         };
         Ok(Self {

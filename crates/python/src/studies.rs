@@ -69,8 +69,13 @@ struct Opened<'a> {
 
 /// Loads a study: what it asks, as a dictionary.
 #[pyfunction]
-pub(crate) fn study_open(py: Python<'_>, folder: PathBuf) -> PyResult<Py<PyAny>> {
-    let study = py.detach(|| guarded(|| Study::load(&folder).map_err(raised)))?;
+pub(crate) fn study_open(
+    py: Python<'_>,
+    folder: PathBuf,
+    surroundings: Surroundings,
+) -> PyResult<Py<PyAny>> {
+    let trust = surroundings.host().trust;
+    let study = py.detach(|| guarded(|| Study::load_for(&folder, &trust).map_err(raised)))?;
     let opened = Opened {
         title: &study.about.title,
         requirements: &study.requirements,

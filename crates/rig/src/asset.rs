@@ -11,7 +11,7 @@ use std::path::Path;
 /// `cannot-read`.
 pub fn asset(folder: &Path, role: AssetRole, path: &Path) -> Result<Asset, Problem> {
     let full = folder.join(path);
-    let bytes = std::fs::read(&full).map_err(|error| Problem::cannot_read(&full, &error))?;
+    let bytes = host::files::read_file(&full, u64::MAX - 1)?;
     Ok(Asset {
         role,
         path: path.to_string_lossy().replace('\\', "/"),

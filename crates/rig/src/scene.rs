@@ -13,6 +13,8 @@ use super::ros2::{self, Domains, Join, Ros2Controller};
 use super::saving::Resumable;
 use diagnostic::{Problem, Source, did_you_mean};
 use evidence::{Asset, AssetRole, DescriptionGap, Tool};
+use host::files::read_file;
+use host::reach::{OUTSIDE, REMEDY};
 use host::store::{Inputs, hash_of};
 use host::{BuildId, Cancel, Host};
 use rest::SceneRest;
@@ -91,9 +93,16 @@ impl SceneRig {
         let path = study.folder.join(scene);
         let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
         let files = Mutex::new(BTreeMap::new());
+        // The first address that leads out of reach: a reader may try others, and say only that none is there.
+        let refused: Mutex<Option<String>> = Mutex::default();
         let read = |address: &str| {
-            let local = address.strip_prefix("file://").unwrap_or(address);
-            let bytes = std::fs::read(folder.join(local)).map_err(|e| e.to_string())?;
+            let local = folder.join(address.strip_prefix("file://").unwrap_or(address));
+            if let Some(why) = study.reach.refuses(&local).filter(|_| local.exists()) {
+                let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
+                let why = format!("{address} is not opened: {why}");
+                return Err(refused.get_or_insert(why).clone());
+            }
+            let bytes = read_file(&local, u64::MAX - 1).map_err(|e| e.message().to_owned())?;
             let mut files = files.lock().unwrap_or_else(PoisonError::into_inner);
             files.insert(address.to_owned(), hash_of(&bytes));
             Ok(bytes)
@@ -106,7 +115,18 @@ impl SceneRig {
             physics.build,
             starter(&folder, host.python_path.as_deref(), consent),
         );
-        let (bench, gaps) = made.map_err(|error| scene_problem(source, &error))?;
+        let refused = || {
+            refused
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .clone()
+        };
+        let (bench, gaps) = made.map_err(|error| match refused() {
+            Some(why) => Problem::new(OUTSIDE, format!("{}: {why}", source.name))
+                .at(source, named_in(source, &why))
+                .remedy(REMEDY),
+            None => scene_problem(source, &error),
+        })?;
         let (bench, truth) = truth::declared(bench, study, source)?;
         let stimulus = Stimulus::of(chosen(&bench, test, source)?);
         for controller in &bench.data().controllers {
@@ -460,6 +480,12 @@ fn chosen(
             None => problem.remedy("name one of its [[abstract_test]] tables"),
         }
     })
+}
+
+/// Where a scene names the file that a message is about; its first line if another file does.
+fn named_in(source: &Source, why: &str) -> std::ops::Range<usize> {
+    let address = why.split(" is not opened").next().unwrap_or_default();
+    study::placed::quoted(source, address)
 }
 
 fn scene_problem(source: &Source, error: &SimError) -> Problem {

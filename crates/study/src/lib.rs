@@ -45,16 +45,22 @@ pub use vocabulary::{Binding, Vocabulary};
 
 use diagnostic::{Problem, Problems, Source};
 use evidence::{ErrorFamily, FailureMode, Requirement, Step};
+use host::{Reach, Trust};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+/// The folders of a study that are written into.
+const WRITTEN: [&str; 2] = ["results", "regressions"];
 
 /// A loaded study.
 #[derive(Debug)]
 pub struct Study {
     /// The folder.
     pub folder: PathBuf,
+    /// Which files it may read.
+    pub reach: Reach,
     /// `study.toml`.
     pub about: About,
     /// The file that holds it.
@@ -195,13 +201,21 @@ fn quantity(text: &str) -> Option<trace::units::QuantityValue> {
 }
 
 impl Study {
-    /// Loads the study in `folder`.
+    /// Loads the study in `folder`, which reads nothing outside of it.
+    ///
+    /// # Errors
+    /// As [`Self::load_for`].
+    pub fn load(folder: &Path) -> Result<Self, Problem> {
+        Self::load_for(folder, &Trust::default())
+    }
+
+    /// Loads the study in `folder`, which reads there and where the user allows it.
     ///
     /// # Errors
     /// All mistakes of its files as one problem, in the order of files and lines; those that follow from others are left out.
-    pub fn load(folder: &Path) -> Result<Self, Problem> {
+    pub fn load_for(folder: &Path, trust: &Trust) -> Result<Self, Problem> {
         let mut found = Problems::new();
-        let study = Self::read(folder, &mut found)?;
+        let study = Self::read_for(folder, trust, &mut found)?;
         found.or(study)
     }
 
@@ -210,8 +224,13 @@ impl Study {
     ///
     /// # Errors
     /// `no-study` if there is none.
-    pub fn read(folder: &Path, found: &mut Problems) -> Result<Self, Problem> {
-        Self::read_texts(folder, &Saved, found)
+    pub fn read_for(folder: &Path, trust: &Trust, found: &mut Problems) -> Result<Self, Problem> {
+        let reach = Reach::of(folder, trust);
+        for written in WRITTEN {
+            reach.check_written(&folder.join(written))?;
+        }
+        let saved = Saved(reach.clone());
+        Self::read_in(folder, (&saved, reach), found)
     }
 
     /// The same of texts that need not be those in the folder: an editor's, which are not saved yet.
@@ -221,6 +240,15 @@ impl Study {
     pub fn read_texts(
         folder: &Path,
         texts: &dyn Texts,
+        found: &mut Problems,
+    ) -> Result<Self, Problem> {
+        let reach = Reach::of(folder, &Trust::default());
+        Self::read_in(folder, (texts, reach), found)
+    }
+
+    fn read_in(
+        folder: &Path,
+        (texts, reach): (&dyn Texts, Reach),
         found: &mut Problems,
     ) -> Result<Self, Problem> {
         if !folder.is_dir() {
@@ -234,7 +262,7 @@ impl Study {
         let vocabulary = Vocabulary::load(folder, texts, &parameters, found);
         let (mut requirements, failure_modes, forms) =
             requirements::load((folder, texts), &vocabulary, &parameters, &about, found);
-        let (ledger, ledger_source) = ledger::load((folder, texts), &about, &forms, found);
+        let (ledger, ledger_source) = ledger::load((folder, texts, &reach), &about, &forms, found);
         forms.complete_carried(&mut requirements, &ledger, found);
         let costs = weighing::trial_costs(&about, &ledger, &about_source);
         let costs = found
@@ -245,6 +273,7 @@ impl Study {
         let looks = found.keep(looks::load(folder, texts, &about)).flatten();
         Ok(Self {
             folder: folder.to_owned(),
+            reach,
             costs,
             weights,
             looks,
@@ -258,6 +287,17 @@ impl Study {
             ledger,
             ledger_source,
         })
+    }
+
+    /// The study as its files are now, with the same reach.
+    ///
+    /// # Errors
+    /// As [`Self::load_for`].
+    pub fn again(&self) -> Result<Self, Problem> {
+        let mut found = Problems::new();
+        let saved = Saved(self.reach.clone());
+        let study = Self::read_in(&self.folder, (&saved, self.reach.clone()), &mut found)?;
+        found.or(study)
     }
 
     /// The difference of two rates that counts as agreement on a requirement or failure mode.

@@ -1,6 +1,7 @@
 //! Where the texts of a study's own files come from: the folder, or an editor that has not saved them yet.
 
 use diagnostic::{Problem, Source};
+use host::Reach;
 use std::path::Path;
 
 /// Gives the texts of a study's own files.
@@ -28,9 +29,9 @@ pub trait Texts {
     }
 }
 
-/// The texts as they are kept.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Saved;
+/// The texts as they are kept, of those files that are in reach: the link that a file is may lead elsewhere.
+#[derive(Clone, Debug, Default)]
+pub struct Saved(pub Reach);
 
 impl Texts for Saved {
     fn exists(&self, path: &Path) -> bool {
@@ -38,6 +39,7 @@ impl Texts for Saved {
     }
 
     fn text(&self, path: &Path) -> Result<Source, Problem> {
+        self.0.check(path)?;
         host::files::read_source(path)
     }
 }

@@ -246,6 +246,52 @@ fn only_what_the_table_names_opens_files() {
     );
 }
 
+/// A program that a study names is started in one place, which asks for the user's consent.
+#[test]
+fn programs_are_started_in_few_places() {
+    let among = |words: &[&str], allowed: &[&str]| {
+        let found = CRATES.iter().flat_map(|(name, ..)| places(name, words));
+        let is_allowed = |place: &String| allowed.iter().any(|it| place.starts_with(it));
+        found.partition::<Vec<String>, _>(is_allowed)
+    };
+    for (words, allowed) in [
+        (&["process::Command"][..], &START_PROGRAMS[..]),
+        (&["Consent::typed"], &TAKE_AS_TYPED),
+    ] {
+        let (known, others) = among(words, allowed);
+        assert!(
+            others.is_empty(),
+            "start programs in `rig::start`, which asks for a `Consent`:\n{}",
+            others.join("\n")
+        );
+        for place in allowed {
+            let is_used = known.iter().any(|it| it.starts_with(place));
+            assert!(
+                is_used,
+                "{place} starts no program: take it out of the table"
+            );
+        }
+    }
+}
+
+/// A path may be a study's, and lead to a pipe.
+#[test]
+fn files_that_a_study_may_name_are_opened_in_one_place() {
+    let mut found = Vec::new();
+    for name in ["host", "study", "judging", "rig", "corroborate"] {
+        found.extend(places(
+            name,
+            &["std::fs::read(", "std::fs::read_to_string(", "File::open("],
+        ));
+    }
+    found.retain(|place| !OPEN_BY_THEMSELVES.iter().any(|it| place.starts_with(it)));
+    assert!(
+        found.is_empty(),
+        "read through `host::files`:\n{}",
+        found.join("\n")
+    );
+}
+
 #[test]
 fn no_match_over_techniques_work_or_guarantees_takes_the_rest_in_silence() {
     let mut found = Vec::new();

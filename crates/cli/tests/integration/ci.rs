@@ -489,6 +489,7 @@ fn script(study: &Study, name: &str, arguments: &[&str], fail_on: &str) -> Said 
         .current_dir(study.beside())
         .env("CORROBORATE", env!("CARGO_BIN_EXE_corroborate"))
         .env("CORROBORATE_MUJOCO", "")
+        .env("CORROBORATE_TRUST", "/")
         .env("CORROBORATE_FAIL_ON", fail_on);
     support::program::said(&mut command)
 }

@@ -26,7 +26,9 @@ impl Strangers {
         };
         let says = format!("import json\nopen({:?}, 'w').close()\n", strangers.mark());
         strangers.study.edit("simulate.py", "import json\n", &says);
-        strangers.study.edit("ledger.toml", "episodes = 60", "episodes = 3");
+        strangers
+            .study
+            .edit("ledger.toml", "episodes = 60", "episodes = 3");
         strangers
     }
 
@@ -44,7 +46,9 @@ impl Strangers {
         assert!(driver.contains(&says));
         strangers.study.write(DRIVER, driver);
         let in_rapier = "engine = \"rapier\"\nepisodes = 2";
-        strangers.study.edit("ledger.toml", "episodes = 30", in_rapier);
+        strangers
+            .study
+            .edit("ledger.toml", "episodes = 30", in_rapier);
         strangers
     }
 
@@ -73,8 +77,14 @@ impl Strangers {
     fn refused(&self, arguments: &[&str]) -> String {
         let said = self.run(arguments);
         assert_eq!(said.code, 2, "{arguments:?}: {said:?}");
-        assert!(said.talk.contains("error[not-trusted]"), "{arguments:?}: {said:?}");
-        assert!(said.talk.contains("corroborate trust"), "{arguments:?}: {said:?}");
+        assert!(
+            said.talk.contains("error[not-trusted]"),
+            "{arguments:?}: {said:?}"
+        );
+        assert!(
+            said.talk.contains("corroborate trust"),
+            "{arguments:?}: {said:?}"
+        );
         assert!(!self.ran(), "{arguments:?}: a program ran");
         said.talk
     }
@@ -90,14 +100,9 @@ impl Strangers {
 
 const DRIVER: &str = "controller/driver.py";
 
-/// What a rig of an entry is tried by.
-const FORM: &str = "test = \"stop\"";
-
 #[test]
 fn no_command_runs_a_strangers_program() {
     let strangers = Strangers::new();
-    let plan = "evidence = \"S1\"\nepisodes = 2\nseed = 1\n[[vary]]\nkey = \"cart.gap_cm\"\n";
-    strangers.study.write("plan.toml", plan);
     for arguments in [
         &["run", "study"][..],
         &["run", "study", "--only", "S1"],
@@ -109,7 +114,6 @@ fn no_command_runs_a_strangers_program() {
         let talk = strangers.refused(arguments);
         assert!(talk.contains("ledger.toml:24:11"), "{arguments:?}: {talk}");
     }
-    let _ = FORM;
 }
 
 #[test]
@@ -170,32 +174,59 @@ fn a_study_is_allowed_as_it_is_and_asked_for_when_it_changes() {
     assert!(shown.out.contains(line), "{shown:?}");
     strangers.refused(&["run", "study"]);
     let allowed = strangers.run(&["trust", "study"]);
-    assert!(allowed.out.contains(line) && allowed.code == 0, "{allowed:?}");
+    assert!(
+        allowed.out.contains(line) && allowed.code == 0,
+        "{allowed:?}"
+    );
     strangers.runs(&["run", "study"]);
     // Neither what the run left nor a trial more is a program.
     let trials = std::fs::read_to_string(strangers.study.path("trials.csv")).expect("read");
     strangers.study.write("trials.csv", trials + "\n");
     strangers.runs(&["simulate", "study", "S1", "--episodes", "1", "--out", "out"]);
 
-    strangers.study.edit("simulate.py", "LONGEST_MS = 10_000", "LONGEST_MS = 10_001");
+    strangers
+        .study
+        .edit("simulate.py", "LONGEST_MS = 10_000", "LONGEST_MS = 10_001");
     let talk = strangers.refused(&["run", "study"]);
-    assert!(talk.contains("has changed") && talk.contains("simulate.py was changed"), "{talk}");
-    strangers.study.edit("simulate.py", "LONGEST_MS = 10_001", "LONGEST_MS = 10_000");
-    strangers.runs(&["simulate", "study", "S1", "--episodes", "1", "--out", "out2"]);
+    assert!(
+        talk.contains("has changed") && talk.contains("simulate.py was changed"),
+        "{talk}"
+    );
+    strangers
+        .study
+        .edit("simulate.py", "LONGEST_MS = 10_001", "LONGEST_MS = 10_000");
+    strangers.runs(&[
+        "simulate",
+        "study",
+        "S1",
+        "--episodes",
+        "1",
+        "--out",
+        "out2",
+    ]);
 
     strangers.study.write("json.py", "open('../stolen', 'w')\n");
     let talk = strangers.refused(&["run", "study"]);
     assert!(talk.contains("json.py is new"), "{talk}");
     std::fs::remove_file(strangers.study.path("json.py")).expect("removed");
-    strangers.study.edit("ledger.toml", "\"simulate.py\"", "\"-B\", \"simulate.py\"");
+    strangers
+        .study
+        .edit("ledger.toml", "\"simulate.py\"", "\"-B\", \"simulate.py\"");
     let talk = strangers.refused(&["run", "study"]);
     assert!(talk.contains("ledger.toml was changed"), "{talk}");
     strangers.run(&["trust", "study"]);
     strangers.runs(&["run", "study"]);
 
-    assert!(strangers.run(&["trust", "--list"]).out.contains("study: with the content"));
+    assert!(
+        strangers
+            .run(&["trust", "--list"])
+            .out
+            .contains("study: with the content")
+    );
     strangers.run(&["trust", "study", "--revoke"]);
-    strangers.study.edit("ledger.toml", "episodes = 3", "episodes = 4");
+    strangers
+        .study
+        .edit("ledger.toml", "episodes = 3", "episodes = 4");
     let talk = strangers.refused(&["run", "study"]);
     assert!(talk.contains("was not allowed"), "{talk}");
     let none = strangers.run(&["trust", "--list"]);
@@ -226,7 +257,8 @@ fn a_program_that_is_swapped_is_seen() {
             it.study.write("step.csv", "evil");
         }),
         ("__pycache__/simulate.cpython-311.pyc is new", &|it| {
-            it.study.write("__pycache__/simulate.cpython-311.pyc", "evil");
+            it.study
+                .write("__pycache__/simulate.cpython-311.pyc", "evil");
         }),
     ];
     for (expected, swap) in swaps {
@@ -234,7 +266,10 @@ fn a_program_that_is_swapped_is_seen() {
         std::fs::write(strangers.study.beside().join("away.py"), "1").expect("written");
         std::fs::write(strangers.study.beside().join("beside.py"), "1").expect("written");
         symlink("../away.py", strangers.study.path("linked.py")).expect("linked");
-        strangers.study.write("results/step.py", "1").write("step.csv", "1");
+        strangers
+            .study
+            .write("results/step.py", "1")
+            .write("step.csv", "1");
         let assets = "assets = [\"../beside.py\", \"results/step.py\", \"step.csv\"]\nleaves";
         strangers.study.edit("ledger.toml", "leaves", assets);
         let allowed = strangers.run(&["trust", "study"]);
@@ -258,22 +293,33 @@ fn content_that_could_change_unseen_is_not_allowed() {
     let strangers = Strangers::new();
     symlink("/usr/share", strangers.study.path("modules")).expect("linked");
     let said = strangers.run(&["trust", "study"]);
-    assert!(said.code == 2 && said.talk.contains("error[link-leads-out]"), "{said:?}");
+    assert!(
+        said.code == 2 && said.talk.contains("error[link-leads-out]"),
+        "{said:?}"
+    );
     std::fs::remove_file(strangers.study.path("modules")).expect("removed");
     // Results are not part of it, so what leads into them is not either.
     std::fs::create_dir_all(strangers.study.path("results/inner")).expect("made");
     symlink("results/inner", strangers.study.path("modules")).expect("linked");
     let said = strangers.run(&["trust", "study"]);
-    assert!(said.code == 2 && said.talk.contains("error[link-leads-out]"), "{said:?}");
+    assert!(
+        said.code == 2 && said.talk.contains("error[link-leads-out]"),
+        "{said:?}"
+    );
 }
 
 #[test]
 fn ones_own_study_is_allowed_whatever_it_contains() {
     let strangers = Strangers::new();
     let said = strangers.run(&["trust", "study", "--always"]);
-    assert!(said.out.contains("whatever its folder will contain"), "{said:?}");
+    assert!(
+        said.out.contains("whatever its folder will contain"),
+        "{said:?}"
+    );
     strangers.runs(&["run", "study"]);
-    strangers.study.edit("simulate.py", "LONGEST_MS = 10_000", "LONGEST_MS = 10_001");
+    strangers
+        .study
+        .edit("simulate.py", "LONGEST_MS = 10_000", "LONGEST_MS = 10_001");
     strangers.runs(&["run", "study"]);
     // It is this folder that is allowed, not one of its name, nor one below it.
     let moved = strangers.study.beside().join("moved");
@@ -282,7 +328,15 @@ fn ones_own_study_is_allowed_whatever_it_contains() {
     let below = strangers.study.path("inner");
     std::fs::create_dir_all(strangers.study.path("")).expect("made");
     std::fs::rename(&moved, &below).expect("moved");
-    strangers.refused(&["simulate", "study/inner", "S1", "--episodes", "1", "--out", "o"]);
+    strangers.refused(&[
+        "simulate",
+        "study/inner",
+        "S1",
+        "--episodes",
+        "1",
+        "--out",
+        "o",
+    ]);
 }
 
 #[test]
@@ -293,7 +347,10 @@ fn who_makes_a_study_may_run_it() {
     let run = strangers.run(&["simulate", "own", "S1", "--episodes", "1", "--out", "o"]);
     assert_ne!(run.code, 2, "{run:?}");
     let listed = strangers.run(&["trust", "--list"]);
-    assert!(listed.out.contains("own: whatever it contains"), "{listed:?}");
+    assert!(
+        listed.out.contains("own: whatever it contains"),
+        "{listed:?}"
+    );
 }
 
 #[test]
@@ -348,7 +405,10 @@ fn records_are_the_users_alone() {
     assert!(said.talk.contains("error[records-in-study]"), "{said:?}");
     let mut nowhere = command(strangers.study.beside(), &["trust", "study"]);
     let nowhere = said_of(nowhere.env("XDG_STATE_HOME", "").env("HOME", ""));
-    assert!(nowhere.talk.contains("error[no-records-of-trust]"), "{nowhere:?}");
+    assert!(
+        nowhere.talk.contains("error[no-records-of-trust]"),
+        "{nowhere:?}"
+    );
 }
 
 fn said_of(command: &mut std::process::Command) -> Said {
@@ -361,7 +421,9 @@ fn a_scene_among_results_is_not_part_of_what_was_allowed() {
     let strangers = Strangers::with_scene();
     let from = strangers.study.path("simulation");
     std::fs::rename(from, strangers.study.path("results")).expect("moved");
-    strangers.study.edit("ledger.toml", "simulation/scene.toml", "results/scene.toml");
+    strangers
+        .study
+        .edit("ledger.toml", "simulation/scene.toml", "results/scene.toml");
     let said = strangers.run(&["trust", "study"]);
     assert_eq!(said.code, 0, "{said:?}");
     let talk = strangers.refused(&["run", "study"]);

@@ -36,6 +36,7 @@ mod fault_trees;
 mod findings;
 mod forged_journals;
 mod fuzz_inputs;
+mod hostile_studies;
 mod hostile_texts;
 mod init;
 mod lacking_signals;

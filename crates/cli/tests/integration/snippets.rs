@@ -16,7 +16,7 @@ use crate::support;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use support::program::{Said, corroborate, said};
+use support::program::{Said, command, said};
 use support::schema::violations;
 use support::{files_below, read, root, shown};
 
@@ -199,6 +199,13 @@ fn run(block: &Block, folder: &Path, last: &mut i32, counts: &mut Counts) -> Res
     }
 }
 
+/// Who reads a page has allowed no study to run programs but their own.
+fn as_reader<'c>(command: &'c mut Command, folder: &Path) -> &'c mut Command {
+    command
+        .env("CORROBORATE_TRUST", "")
+        .env("XDG_STATE_HOME", folder.join(".state"))
+}
+
 /// A shell keeps its functions for the page's next blocks, as a reader's does.
 fn script(text: &str, folder: &Path) -> Result<(), String> {
     let before = folder.join(".functions");
@@ -212,7 +219,7 @@ fn script(text: &str, folder: &Path) -> Result<(), String> {
         ])
         .current_dir(folder)
         .env("CORROBORATE_MUJOCO", "");
-    let said = said(&mut command);
+    let said = said(as_reader(&mut command, folder));
     match said.code {
         0 => Ok(()),
         code => Err(format!(
@@ -299,7 +306,7 @@ impl Sample {
             ));
         }
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        let Said { code, out, talk } = corroborate(folder, &arguments);
+        let Said { code, out, talk } = said(as_reader(&mut command(folder, &arguments), folder));
         *last = code;
         // A number and its unit are held together by a no-break space, which is not seen in a document.
         let printed = out.replace('\u{a0}', " ");

@@ -143,7 +143,7 @@ fn table_with_known(
     file: &Source,
     text: &CalibrationText,
 ) -> Result<Source, Problem> {
-    let source = read_source(&study.folder.join(path))?;
+    let source = text_of(study, path)?;
     let mut table: Table =
         toml::from_str(&source.text).map_err(|error| study::placed::from_toml(&source, &error))?;
     merge(&mut table, &text.known).map_err(|key| unknown(&key, &source, file))?;
@@ -173,7 +173,7 @@ fn stimulus_with_known(
     file: &Source,
     text: &CalibrationText,
 ) -> Result<Source, Problem> {
-    let source = read_source(&study.folder.join(path))?;
+    let source = text_of(study, path)?;
     let fail = |error| Problem::new("bad-stimulus", format!("{}: {error}", source.name));
     let mut stimulus = VariedStimulus::read(path, &source.text).map_err(fail)?;
     // Of what varies any number stands for its key.
@@ -203,4 +203,11 @@ fn unknown(key: &str, source: &Source, file: &Source) -> Problem {
     Problem::new(CODE, message)
         .at(file, quoted(file, last))
         .remedy("correct the key in [known]")
+}
+
+/// The text of a file that a calibration names.
+fn text_of(study: &Study, path: &Path) -> Result<Source, Problem> {
+    let full = study.folder.join(path);
+    study.reach.check(&full)?;
+    read_source(&full)
 }

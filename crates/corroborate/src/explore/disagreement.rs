@@ -47,7 +47,7 @@ pub fn map_disagreement(
     request: &DisagreementRequest,
     host: &Host,
 ) -> Result<DisagreementMap, Problem> {
-    let study = study_of(&request.study, request.seed)?;
+    let study = study_of(&request.study, request.seed, host)?;
     let plan = plan_of(&study, &request.file, request.episodes)?;
     let bench = bench_of(&study, &plan, true, host)?;
     let folder = folder_of(&study, request.out.as_deref());

@@ -91,7 +91,7 @@ pub struct Quantity {
 /// Opens each simulation of a study and lists its signals. Commands of others are left out: to know their signals they would
 /// have to be run.
 pub(super) fn signals_of(folder: &Path, host: &Host) -> Result<StudySignals, Problem> {
-    let study = Study::load(folder)?;
+    let study = Study::load_for(folder, &host.trust)?;
     let mut simulations: Vec<SimulationSignals> = Vec::new();
     let mut known: Vec<Simulated<'_>> = Vec::new();
     for entry in &study.ledger {

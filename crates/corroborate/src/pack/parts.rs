@@ -112,6 +112,8 @@ fn study_files(from: &Gathering<'_>) -> Result<Vec<Part>, Problem> {
     let paths = study_paths(from)?;
     let parts = paths.iter().map(|path| {
         let full = from.study.folder.join(path);
+        // What a result names is the result's to say: what it does not reach is not handed on.
+        from.study.reach.check(&full)?;
         let name = format!("study/{path}");
         match path.as_str() {
             "requirements.toml" => {

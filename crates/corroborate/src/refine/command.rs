@@ -262,7 +262,9 @@ fn files(
     let stimulus = command.stimulus.as_deref().map(shown);
     for word in command.command.iter().chain(&stimulus) {
         let path = study.folder.join(word);
-        let is_own = Path::new(word).is_relative() && path.is_file();
+        // What lies elsewhere is not the study's to change.
+        let is_own =
+            Path::new(word).is_relative() && path.is_file() && study.reach.refuses(&path).is_none();
         if !is_own || found.iter().any(|(_, known)| known == word) {
             continue;
         }

@@ -92,14 +92,14 @@ pub fn refine(
     host: &Host,
     draw: &dyn Fn(&StudyResult) -> String,
 ) -> Result<Refined, Problem> {
-    let folder = folder(request)?;
+    let folder = folder(request, host)?;
     let run = RunRequest {
         out: request.out.clone().filter(|_| request.to.is_none()),
         ..RunRequest::new(&folder)
     };
     let result = || run_with_page(&run, host, draw)?.into_study();
     let before = result()?;
-    let study = Study::load(&folder)?;
+    let study = Study::load_for(&folder, &host.trust)?;
     let solver = Solver::new(&study, &host.cancel);
     let mut offered = offered(&study, &before, &solver, host)?;
     // What was interrupted is no answer: a number that was not solved for would be said to have no value.
@@ -208,12 +208,12 @@ fn accepted<'p>(accept: &Accept, proposals: &'p [Proposal]) -> Result<Vec<&'p Pr
 }
 
 /// Where to work: in the study, or in a copy of it.
-fn folder(request: &RefineRequest) -> Result<PathBuf, Problem> {
+fn folder(request: &RefineRequest, host: &Host) -> Result<PathBuf, Problem> {
     let Some(to) = &request.to else {
         return Ok(request.study.clone());
     };
     // A folder that is no study is said before anything is copied.
-    Study::load(&request.study)?;
+    Study::load_for(&request.study, &host.trust)?;
     let is_used = std::fs::read_dir(to).is_ok_and(|mut entries| entries.next().is_some());
     if is_used {
         return Err(Problem::new(
@@ -255,7 +255,7 @@ fn copy(from: &Path, to: &Path, below: &Path) -> Result<(), Problem> {
         }
         if from.join(&inner).is_dir() {
             copy(from, to, &inner)?;
-        } else {
+        } else if from.join(&inner).is_file() {
             std::fs::copy(from.join(&inner), to.join(&inner))
                 .map_err(|error| Problem::cannot_write(&to.join(&inner), &error))?;
         }

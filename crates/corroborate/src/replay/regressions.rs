@@ -140,7 +140,7 @@ pub fn check_regressions(
     request: &RegressionsRequest,
     host: &Host,
 ) -> Result<RegressionsReport, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let files = files(&study, &request.findings)?;
     let findings: Vec<Result<Finding, Problem>> =
         files.iter().map(|file| Finding::read(file)).collect();
@@ -202,6 +202,7 @@ fn files(study: &Study, named: &[String]) -> Result<Vec<PathBuf>, Problem> {
         .filter(|path| path.extension().is_some_and(|it| it == "toml"))
         .collect();
     files.sort();
+    files.iter().try_for_each(|it| study.reach.check(it))?;
     match files.is_empty() {
         true => Err(none_there(&folder)),
         false => Ok(files),

@@ -235,7 +235,7 @@ pub fn signals(
 
 /// The signals by which an exploration tells abstract states apart.
 fn signals_of_exploration(study: &Study, file: &Path) -> Result<BTreeSet<String>, Problem> {
-    let plan = Plan::load(&study.folder, file)?;
+    let plan = Plan::of_study(study, file)?;
     let declared = plan.data.abstraction.iter().flat_map(|it| &it.proposition);
     let texts = declared.map(|it| it.trace.as_deref().unwrap_or(&it.name));
     let predicates = texts.filter_map(|text| study.vocabulary.signals.predicate(text).ok());

@@ -118,7 +118,7 @@ pub fn import_requirements(
     request: &ExchangeRequest,
     host: &Host,
 ) -> Result<ExchangeReport, Problem> {
-    let work = Work::new(request, Direction::Import)?;
+    let work = Work::new(request, Direction::Import, host)?;
     host.go_on()?;
     let merged = work.merged();
     let sentences = drift::of_document(&work.study, &work.document);
@@ -148,7 +148,7 @@ pub fn export_requirements(
     request: &ExchangeRequest,
     host: &Host,
 ) -> Result<ExchangeReport, Problem> {
-    let work = Work::new(request, Direction::Export)?;
+    let work = Work::new(request, Direction::Export, host)?;
     host.go_on()?;
     let merged = work.merged();
     let mut changes: Vec<Change> = Vec::new();
@@ -218,12 +218,16 @@ struct Work<'r> {
 }
 
 impl<'r> Work<'r> {
-    fn new(request: &'r ExchangeRequest, direction: Direction) -> Result<Self, Problem> {
+    fn new(
+        request: &'r ExchangeRequest,
+        direction: Direction,
+        host: &Host,
+    ) -> Result<Self, Problem> {
         let lock = match request.dry_run {
             true => None,
             false => Lock::take(&request.study.join(LOCK), || in_use(&request.study))?,
         };
-        let study = Study::load(&request.study)?;
+        let study = Study::load_for(&request.study, &host.trust)?;
         let own: Vec<Item> = study
             .forms
             .subjects

@@ -65,7 +65,7 @@ fn open<'a>(
     host: &'a Host,
 ) -> Result<Opened<'a>, Problem> {
     let asked = Asked { study, entry, host };
-    let files = Files::of(&study.folder);
+    let files = Files::of_study(study);
     let work = technique_of(study, entry, others)?.prepare(asked, &files)?;
     Ok(Opened { work, files })
 }
@@ -74,7 +74,10 @@ fn open<'a>(
 fn topics(study: &Study) -> Result<(), Problem> {
     let path = study.folder.join("topics.toml");
     match path.exists() {
-        true => judging::recording::read_map(&path).map(drop),
+        true => {
+            study.reach.check(&path)?;
+            judging::recording::read_map(&path).map(drop)
+        }
         false => Ok(()),
     }
 }

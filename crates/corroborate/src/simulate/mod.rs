@@ -96,7 +96,7 @@ pub struct SimulatedEpisodes {
 /// What the study's files say wrong; `folder-not-empty` if the folder holds episodes of something else; `interrupted` if the
 /// host was asked to stop, after which the same request goes on; `no-physics-library` if episodes cannot be simulated here.
 pub fn simulate(request: &SimulateRequest, setting: &Host) -> Result<SimulatedEpisodes, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &setting.trust)?;
     let entry = study.entry(&request.evidence)?;
     let rig = match request.engine {
         Some(engine) => rigs::in_engine(&study, entry, engine, setting)?,
@@ -222,7 +222,7 @@ impl Called<'_> {
             )
             .remedy("leave out the stopping rule and what is kept, or record the simulation's own signals"));
         }
-        let table = Ros2Table::beside(&self.study.folder.join(scenario))?;
+        let table = Ros2Table::beside(&self.study.folder.join(scenario), &self.study.reach)?;
         let mut inputs = self.inputs(rig, self.setting.build.as_str());
         inputs.add("ros2", table.text.as_bytes());
         let folder = &self.request.out;

@@ -8,13 +8,17 @@ use diagnostic::{Problem, Source};
 use evidence::{Asset, AssetRole};
 use host::files::MOST_BYTES;
 use host::store::{Inputs, hash_of};
+use host::{Reach, Trust};
 use std::cell::RefCell;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use study::Study;
 
 /// The files of a study, and which of them were read.
 #[derive(Debug)]
 pub struct Files<'s> {
     folder: &'s Path,
+    /// What of it, and beside it, may be read.
+    reach: Reach,
     /// In the order in which they were first read.
     read: RefCell<Vec<Asset>>,
     /// Paths at which there was no file.
@@ -22,10 +26,20 @@ pub struct Files<'s> {
 }
 
 impl<'s> Files<'s> {
-    /// Those of a study's folder, none of which was read yet.
+    /// Those of a study's folder and no others, none of which was read yet.
     pub fn of(folder: &'s Path) -> Self {
+        Self::within(folder, Reach::of(folder, &Trust::default()))
+    }
+
+    /// Those of a study, wherever it may read.
+    pub fn of_study(study: &'s Study) -> Self {
+        Self::within(&study.folder, study.reach.clone())
+    }
+
+    fn within(folder: &'s Path, reach: Reach) -> Self {
         Self {
             folder,
+            reach,
             read: RefCell::default(),
             missing: RefCell::default(),
         }
@@ -34,9 +48,9 @@ impl<'s> Files<'s> {
     /// The bytes of a file, whose path is relative to the study's folder.
     ///
     /// # Errors
-    /// `cannot-read`, `file-too-large`.
+    /// `outside-study`, `cannot-read`, `file-too-large`.
     pub fn bytes(&self, role: AssetRole, path: &Path) -> Result<Vec<u8>, Problem> {
-        let bytes = host::files::read_file(&self.folder.join(path), u64::MAX - 1)?;
+        let bytes = host::files::read_file(&self.in_reach(path)?, u64::MAX - 1)?;
         self.add(role, path, &bytes);
         Ok(bytes)
     }
@@ -44,9 +58,9 @@ impl<'s> Files<'s> {
     /// A text, of at most [`MOST_BYTES`] in UTF-8.
     ///
     /// # Errors
-    /// `cannot-read`, `file-too-large`, `not-text`.
+    /// `outside-study`, `cannot-read`, `file-too-large`, `not-text`.
     pub fn text(&self, role: AssetRole, path: &Path) -> Result<Source, Problem> {
-        let source = host::files::read_source(&self.folder.join(path))?;
+        let source = host::files::read_source(&self.in_reach(path)?)?;
         self.add(role, path, source.text.as_bytes());
         Ok(source)
     }
@@ -54,13 +68,13 @@ impl<'s> Files<'s> {
     /// A text in the PRISM language, with the warning that its letters had to be guessed, if so.
     ///
     /// # Errors
-    /// `cannot-read`, `file-too-large`, `not-text`.
+    /// `outside-study`, `cannot-read`, `file-too-large`, `not-text`.
     pub fn prism(
         &self,
         role: AssetRole,
         path: &Path,
     ) -> Result<(Source, Option<Problem>), Problem> {
-        let full = self.folder.join(path);
+        let full = self.in_reach(path)?;
         let bytes = host::files::read_file(&full, MOST_BYTES)?;
         self.add(role, path, &bytes);
         host::files::prism_of_bytes(&full, bytes)
@@ -69,7 +83,7 @@ impl<'s> Files<'s> {
     /// A text if there is such a file. That there is none is remembered, too: evidence is stale once there is one.
     ///
     /// # Errors
-    /// `cannot-read`, `file-too-large`, `not-text`.
+    /// `outside-study`, `cannot-read`, `file-too-large`, `not-text`.
     pub fn text_if_any(&self, role: AssetRole, path: &Path) -> Result<Option<Source>, Problem> {
         if self.folder.join(path).exists() {
             return self.text(role, path).map(Some);
@@ -80,6 +94,12 @@ impl<'s> Files<'s> {
             missing.push(path);
         }
         Ok(None)
+    }
+
+    /// The whole path of a file that may be read.
+    fn in_reach(&self, path: &Path) -> Result<PathBuf, Problem> {
+        let full = self.folder.join(path);
+        self.reach.check(&full).map(|()| full)
     }
 
     /// A file that was read and hashed elsewhere.

@@ -59,7 +59,7 @@ impl Recordings {
         }
         let mut assets = Vec::new();
         for trial in &found.trials {
-            add_assets(&study.folder, &trial.path, &mut assets)?;
+            add_assets(study, &trial.path, &mut assets)?;
         }
         let rules = ReadingRules::of_study(&study.folder, None)?;
         let repeated = same_messages::repeated(&found.trials, &rules.options);
@@ -381,7 +381,8 @@ pub fn only_violations(mut judgements: Vec<Judgement<'_>>) -> Vec<Judgement<'_>>
 }
 
 /// A file as an asset, or all files of a recording that is a folder.
-fn add_assets(study: &Path, path: &Path, assets: &mut Vec<Asset>) -> Result<(), Problem> {
+fn add_assets(study: &Study, path: &Path, assets: &mut Vec<Asset>) -> Result<(), Problem> {
+    study.reach.check(path)?;
     let unreadable = |error: &std::io::Error| Problem::cannot_read(path, error);
     if path.is_dir() {
         let entries = std::fs::read_dir(path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
@@ -400,7 +401,7 @@ fn add_assets(study: &Path, path: &Path, assets: &mut Vec<Asset>) -> Result<(), 
     hasher
         .update_reader(file)
         .map_err(|error| unreadable(&error))?;
-    let shown = path.strip_prefix(study).unwrap_or(path);
+    let shown = path.strip_prefix(&study.folder).unwrap_or(path);
     assets.push(Asset {
         role: AssetRole::Data,
         path: shown.to_string_lossy().replace('\\', "/"),

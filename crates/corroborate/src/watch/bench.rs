@@ -74,7 +74,7 @@ impl Bench {
         let rig = rigs::of_entry(study, entry, setting)?;
         let is_outside = |signals: &[String]| is_outside(&asked.outside, map, signals);
         let rest = rig.rest(&is_outside).ok_or_else(|| no_rest(entry))?;
-        let table = Ros2Table::beside(&study.folder.join(file))?;
+        let table = Ros2Table::beside(&study.folder.join(file), &study.reach)?;
         let seeds = Seeds::new(asked.seed.unwrap_or(study.about.seed), entry.seeded_as());
         let seed = seeds.of(asked.episode);
         let tool = rig.tool();

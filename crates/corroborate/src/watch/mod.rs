@@ -199,7 +199,7 @@ pub fn watch(
     setting: &Host,
     audience: Box<dyn Audience>,
 ) -> Result<WatchReport, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &setting.trust)?;
     let judges = judges(&study, &request.only)?;
     for warning in study.forms.warnings(&request.only) {
         setting.events.say(&warning.warning_line());

@@ -81,6 +81,7 @@ pub fn variants(study: &Study) -> Result<Vec<Read>, Problem> {
 }
 
 fn read(study: &Study, file: &std::path::Path) -> Result<Read, Problem> {
+    study.reach.check(file)?;
     let source = host::files::read_source(file)?;
     let variant: Variant = study::read_toml(CODE, &source)?;
     for subject in &variant.subjects {

@@ -61,7 +61,7 @@ pub fn what_if(
     host: &Host,
     draw: &dyn Fn(&StudyResult) -> String,
 ) -> Result<WhatIfReport, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let mut all = variants(&study)?;
     if !request.variants.is_empty() {
         known(&all, &request.variants)?;

@@ -5,6 +5,7 @@ use crate::Judges;
 use crate::recording::ReadingRules;
 use diagnostic::{Problem, Source};
 use evidence::Subject;
+use host::Host;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use study::{FormulaRule, JudgingForm, Rule, Study, Vocabulary};
@@ -28,10 +29,10 @@ pub enum Asked<'r> {
 
 impl<'r> Asked<'r> {
     /// Reads the study, or the formulas.
-    pub fn new(monitored: &'r Monitored) -> Result<Self, Problem> {
+    pub fn new(monitored: &'r Monitored, host: &Host) -> Result<Self, Problem> {
         match monitored {
             Monitored::Study { folder, only } => {
-                let study = Box::new(Study::load(folder)?);
+                let study = Box::new(Study::load_for(folder, &host.trust)?);
                 check_only(&study, only)?;
                 Ok(Self::Study { study, only })
             }

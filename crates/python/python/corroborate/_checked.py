@@ -9,7 +9,7 @@ from typing import Any
 
 from ._problem import Problem, WrongArgument
 
-__all__ = ["counts", "mapping", "number", "path", "several", "text", "whole"]
+__all__ = ["counts", "flag", "mapping", "number", "path", "several", "text", "whole"]
 
 
 def _wrong(value: Any, name: str, wanted: str, remedy: str) -> WrongArgument:
@@ -31,6 +31,13 @@ def path(value: Any, name: str, wanted: str, remedy: str) -> str:
         if isinstance(found, str):
             return found
     raise _wrong(value, name, f"a str or a path of {wanted}", remedy)
+
+
+def flag(value: Any, name: str) -> bool:
+    """Yes or no, and nothing that merely counts as one of them."""
+    if isinstance(value, bool):
+        return value
+    raise _wrong(value, name, "True or False", f"write {name}=True or {name}=False")
 
 
 def number(value: Any, name: str) -> float:

@@ -118,16 +118,22 @@ class Study:
     Args:
         folder: where ``study.toml`` lies.
         out: the folder of results; by default ``results`` in the study.
+        trust: whether the programs that the study names (commands of its ledger, controllers of its scenes) may run. Otherwise they run
+            only if this machine's user has allowed them: ``corroborate trust STUDY``, or a folder of ``CORROBORATE_TRUST``.
 
     Raises:
         Problem: all mistakes of its files, each with its place.
     """
 
-    def __init__(self, folder: PathLike, *, out: Union[PathLike, None] = None) -> None:
+    def __init__(self, folder: PathLike, *, out: Union[PathLike, None] = None, trust: bool = False) -> None:
         named = _checked.path(folder, "folder", "a study's folder", "name the folder that holds study.toml")
         self.folder = pathlib.Path(named)
         self.out = self.folder / "results" if out is None else pathlib.Path(_checked.path(out, "out", "a folder", "name the folder of results"))
-        self._about = _engine.study_open(named)
+        self._trust = _checked.flag(trust, "trust")
+        self._about = _engine.study_open(named, self._surroundings())
+
+    def _surroundings(self) -> dict[str, Any]:
+        return surroundings(trust=self._trust)
 
     @property
     def title(self) -> str:
@@ -146,7 +152,7 @@ class Study:
 
     def plan(self, *, only: Sequence[str] = ()) -> list[Planned]:
         """What a run would do. Reads and checks everything, and produces nothing."""
-        plan = _engine.study_plan(self._asked(only), surroundings())
+        plan = _engine.study_plan(self._asked(only), self._surroundings())
         return [_planned(it) for it in plan["evidence"]]
 
     def run(self, *, progress: Progress = None) -> StudyResult:
@@ -157,13 +163,13 @@ class Study:
             progress: called with each event, a dictionary: ``{"event": "started", "stage": 0, "title": ..., "total": ...}``,
                 ``advanced`` (with ``done`` and ``left_secs``), ``finished``, ``note``. What it raises ends the run.
         """
-        return StudyResult(_engine.study_run(self._asked(()), surroundings(), progress), self.out)
+        return StudyResult(_engine.study_run(self._asked(()), self._surroundings(), progress), self.out)
 
     def produce(self, *evidence: str, progress: Progress = None) -> list[Produced]:
         """Produces only the evidence with these identifiers, and compares nothing. What is fresh is taken as it was kept."""
         if not evidence:
             raise Problem("unknown-evidence", "no evidence is named", remedy=f"the ledger has {', '.join(self.evidence)}")
-        found = _engine.study_run(self._asked(evidence), surroundings(), progress)
+        found = _engine.study_run(self._asked(evidence), self._surroundings(), progress)
         return [Produced(it["evidence"]["id"], it["headline"], it["evidence"]) for it in found]
 
     def shard(
@@ -220,7 +226,7 @@ class Study:
         to = None if out is None else _checked.path(out, "out", "a folder", "name the folder for what is written")
         asked: dict[str, Any] = {"folder": os.fspath(self.folder), "out": to, "only": []}
         wanted = _checked.path(episode, "episode", "a finding, or an episode", "for example \"E4:17\"")
-        found = _engine.study_replay(asked, wanted, surroundings())
+        found = _engine.study_replay(asked, wanted, self._surroundings())
         verdicts = {it["subject"]: it["verdict"] for it in found["verdicts"]}
         return Replay(found["episode"], int(found["seed"]), found["shown"], found["same_bytes"], verdicts, tuple(found["files"]))
 
@@ -267,7 +273,7 @@ class Study:
             "pdf": named(pdf, "pdf", "a PDF"),
             "with_recordings": bool(with_recordings),
         }
-        found = _engine.study_pack(self._asked(()), asked, surroundings(), progress)
+        found = _engine.study_pack(self._asked(()), asked, self._surroundings(), progress)
         not_shown = tuple((it["of"], it["words"]) for it in found["not_shown"])
         return Pack(pathlib.Path(found["pack"]), found["bytes"], found["sha256"], found["parts"], found["signed_by"], not_shown)
 

@@ -26,8 +26,8 @@ def physics_library() -> Union[str, None]:
     return None
 
 
-def surroundings() -> dict[str, Any]:
-    """For the engine's host."""
+def surroundings(*, trust: bool = False) -> dict[str, Any]:
+    """For the engine's host. ``trust``: whether programs that the study names may run, whatever was allowed before."""
     clients, own = os.environ.get("CORROBORATE_CLIENTS"), os.environ.get("PYTHONPATH", "")
     path = None if clients is None else os.pathsep.join(filter(None, [os.path.join(clients, "python"), own]))
-    return {"physics_library": physics_library(), "python_path": path, "scratch": tempfile.gettempdir()}
+    return {"physics_library": physics_library(), "python_path": path, "scratch": tempfile.gettempdir(), "trust": trust}

@@ -7,6 +7,8 @@ use super::{
 use crate::{About, Forms, Texts};
 use diagnostic::{Problem, Problems, Source, did_you_mean};
 use evidence::{Calibration, Subject};
+use host::Reach;
+use host::reach::{OUTSIDE, REMEDY};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -259,7 +261,7 @@ pub(crate) fn schema() -> schemars::Schema {
 /// Reads `ledger.toml`, if there is one, and checks it against the rest of the
 /// study. Mistakes are added to those that were found; an entry whose work cannot be told is left out.
 pub fn load(
-    (folder, texts): (&Path, &dyn Texts),
+    (folder, texts, reach): (&Path, &dyn Texts, &Reach),
     about: &About,
     forms: &Forms,
     found: &mut Problems,
@@ -282,6 +284,7 @@ pub fn load(
         .collect();
     let reader = Reader {
         folder,
+        reach,
         source: &source,
         about,
         forms,
@@ -311,6 +314,7 @@ pub fn load(
 
 pub(super) struct Reader<'a> {
     pub(super) folder: &'a Path,
+    reach: &'a Reach,
     pub(super) source: &'a Source,
     about: &'a About,
     forms: &'a Forms,
@@ -666,7 +670,21 @@ impl Reader<'_> {
         }
     }
 
+    /// Whether a file or folder may be read, if it is there.
+    pub(super) fn in_reach(&self, path: &Spanned<PathBuf>) -> Result<(), Problem> {
+        match self.reach.refuses(&self.folder.join(path.get_ref())) {
+            None => Ok(()),
+            Some(why) => Err(self.problem(
+                OUTSIDE,
+                format!("{} is not opened: {why}", path.get_ref().display()),
+                path.span(),
+                REMEDY,
+            )),
+        }
+    }
+
     pub(super) fn existing(&self, path: &Spanned<PathBuf>) -> Result<PathBuf, Problem> {
+        self.in_reach(path)?;
         if self.folder.join(path.get_ref()).is_file() {
             return Ok(path.get_ref().clone());
         }

@@ -519,6 +519,7 @@ impl Reader<'_> {
                 "add for example `recordings = \"runs/recordings\"`, a folder of the study",
             ));
         };
+        self.in_reach(recordings)?;
         Ok(Work::Judge {
             technique,
             recordings: match self.folder.join(recordings.get_ref()).exists() {
@@ -566,6 +567,7 @@ impl Reader<'_> {
         // A folder of runs, or one file.
         let mut file_or_folder = |path: &Option<Spanned<PathBuf>>| {
             let path = path.as_ref()?;
+            found.keep(self.in_reach(path))?;
             match self.folder.join(path.get_ref()).is_dir() {
                 true => Some(path.get_ref().clone()),
                 false => found.keep(self.existing(path)),

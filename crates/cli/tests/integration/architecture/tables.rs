@@ -303,6 +303,52 @@ pub const MAY_BE_UNSAFE: [&str; 3] = [
     "crates/python/src/table/arrow.rs",
 ];
 
+/// Where programs are started: those that a study names, or the user, in one place, which asks for consent; the others name
+/// theirs themselves.
+pub const START_PROGRAMS: [&str; 4] = [
+    "crates/rig/src/start.rs",
+    "crates/rig/src/surroundings.rs",
+    "crates/cli/src/command/pack/pdf.rs",
+    "crates/corroborate-bench/src/grammar/judge.rs",
+];
+
+/// Who takes for the user's what no study names: tests that are typed.
+pub const TAKE_AS_TYPED: [&str; 1] = ["crates/rig/src/trial.rs"];
+
+/// Where files are opened by paths that a study, or what was kept of it, may name: what is read in these crates goes through
+/// `host::files`, which opens no pipe or device, but for these places, which read what the engine itself has written into a
+/// folder that [`host::Reach::check_written`] has looked through, or what the system or the user names.
+pub const OPEN_BY_THEMSELVES: [&str; 28] = [
+    "crates/corroborate/src/init/",
+    "crates/corroborate/src/inspect/description.rs",
+    "crates/corroborate/src/kept.rs",
+    "crates/corroborate/src/pack.rs",
+    "crates/corroborate/src/pack/verification.rs",
+    "crates/corroborate/src/plan.rs",
+    "crates/corroborate/src/refine/command.rs",
+    "crates/corroborate/src/replay/episode.rs",
+    "crates/corroborate/src/simulate/mod.rs",
+    "crates/corroborate/src/technique/campaign/",
+    "crates/corroborate/src/technique/experiment/placed.rs",
+    "crates/corroborate/src/technique/exploration/episode.rs",
+    "crates/corroborate/src/technique/exploration/journal.rs",
+    "crates/corroborate/src/technique/matrix/",
+    "crates/corroborate/src/technique/model_checking/worst_case.rs",
+    "crates/corroborate/src/technique/operation.rs",
+    "crates/corroborate/src/verify",
+    "crates/corroborate/src/watch/keeper.rs",
+    "crates/corroborate/src/technique/copies/constants.rs",
+    "crates/corroborate/src/decide/",
+    "crates/host/src/files.rs",
+    "crates/host/src/store.rs",
+    "crates/judging/src/recording.rs",
+    "crates/rig/src/command/once.rs",
+    "crates/rig/src/processor.rs",
+    "crates/study/src/looks.rs",
+    "crates/corroborate/src/technique/same_messages.rs",
+    "crates/corroborate/src/ros2_table.rs",
+];
+
 /// What has to be matched in full: who adds a variant is told by the compiler where it matters.
 pub const MATCHED_IN_FULL: [&str; 8] = [
     "Technique",

@@ -238,7 +238,7 @@ fn hold_against(text: &str, document: &Document, merged: &Merged) -> Result<(), 
 pub(super) fn write(study: &Study, text: &str) -> Result<(), Problem> {
     let path = study.folder.join("requirements.toml");
     write_whole(&path, text.as_bytes())?;
-    match Study::load(&study.folder) {
+    match study.again() {
         Ok(_) => Ok(()),
         Err(problem) => {
             write_whole(&path, study.forms.source.text.as_bytes())?;

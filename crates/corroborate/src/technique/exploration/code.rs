@@ -23,6 +23,7 @@ impl Code {
                 return Err(plan.mistake(&shown, format!("there is no file `{shown}`")));
             }
             for path in paths {
+                study.reach.check(&path)?;
                 let source = host::files::read_source(&path)?;
                 self.add(&source.text, &source.name)?;
             }

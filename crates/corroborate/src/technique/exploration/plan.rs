@@ -404,6 +404,12 @@ fn all_designs() -> Vec<Design> {
 }
 
 impl Plan {
+    /// Reads a file that is named by what a study keeps, and not by the user.
+    pub fn of_study(study: &Study, file: &Path) -> Result<Self, Problem> {
+        study.reach.check(&study.folder.join(file))?;
+        Self::load(&study.folder, file)
+    }
+
     /// Reads the file, whose path is relative to the study's folder.
     pub fn load(folder: &Path, file: &Path) -> Result<Self, Problem> {
         let source = host::files::read_source(&folder.join(file))?;

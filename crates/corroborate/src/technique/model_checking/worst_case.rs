@@ -207,7 +207,7 @@ impl Compiled<'_> {
                 "the study has no {EXPLORATION} whose [[step]] tables say which steps of {id} are actions of a test"
             )));
         }
-        let plan = match Plan::load(&study.folder, Path::new(EXPLORATION)) {
+        let plan = match Plan::of_study(study, Path::new(EXPLORATION)) {
             Ok(plan) => plan,
             Err(problem) => return Ok(Err(problem.warning_line())),
         };

@@ -60,7 +60,7 @@ pub fn map_again(
     runs: bool,
     host: &Host,
 ) -> Result<Option<DisagreementMap>, Problem> {
-    let mut study = Study::load(&study.folder)?;
+    let mut study = Study::load_for(&study.folder, &host.trust)?;
     study.about.seed = map.seed;
     let mut plan = Plan::load(&study.folder, Path::new(&map.plan))?;
     if let Some(disagreement) = &mut plan.data.disagreement {

@@ -9,6 +9,8 @@ use study::Study;
 pub(crate) struct Scratch {
     pub(super) folder: PathBuf,
     study: PathBuf,
+    /// What the study reads.
+    reach: host::Reach,
 }
 
 /// The texts that are read to judge, to ask and to count.
@@ -27,6 +29,7 @@ impl Scratch {
         Ok(Self {
             folder,
             study: study.folder.clone(),
+            reach: study.reach.clone(),
         })
     }
 
@@ -61,6 +64,7 @@ impl Scratch {
         }
         let mut study = Study::load(&self.folder)?;
         study.folder.clone_from(&self.study);
+        study.reach.clone_from(&self.reach);
         Ok(study)
     }
 }
