@@ -38,6 +38,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Event::Advanced { done, .. } if done % 10 == 0 => println!("  {done} done"),
             _ => {}
         }),
+        // Its simulator is a program that the study names, and here one of our own.
+        trust: corroborate::host::Trust {
+            is_given: true,
+            ..Default::default()
+        },
         ..Host::silent(corroborate::build())
     };
     let result = corroborate::run(&RunRequest::new(folder), &host)?.into_study()?;

@@ -221,3 +221,23 @@ def test_shards_merge_to_what_one_machine_gives(tmp_path):
         with pytest.raises(corroborate.Problem) as raised:
             study.shard(shard, of, tmp_path / "other")
         assert raised.value.code in ("bad-shard", "wrong-argument") and raised.value.remedy
+def test_programs_of_a_study_run_only_if_they_are_allowed(tmp_path, monkeypatch):
+    monkeypatch.setenv("CORROBORATE_TRUST", "")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    copy = tmp_path / "study"
+    shutil.copytree(DOCKING.parent / "command", copy)
+    ledger = copy / "ledger.toml"
+    ledger.write_text(ledger.read_text().replace("episodes = 60", "episodes = 2"))
+    assert Study(copy).produce("M1")
+    with pytest.raises(corroborate.Problem) as refused:
+        Study(copy).run()
+    assert refused.value.code == "not-trusted" and "ledger.toml" in str(refused.value)
+    assert not (copy / "results/evidence/S1.json").exists()
+    with pytest.raises(corroborate.Problem, match="trust"):
+        Study(copy, trust="yes")
+    assert Study(copy, trust=True).produce("S1")
+    # What is fresh needs no program.
+    assert Study(copy).produce("S1")
+    ledger.write_text(ledger.read_text().replace("episodes = 2", "episodes = 3"))
+    monkeypatch.setenv("CORROBORATE_TRUST", str(tmp_path))
+    assert Study(copy).produce("S1")

@@ -27,7 +27,7 @@ use diagnostic::{Problem, Source};
 use host::Host;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use study::{Study, placed::toml_place};
+use study::{Study, placed::value_place};
 
 /// That programs of a study may run. Whoever starts one asks for it.
 #[derive(Clone, Debug)]
@@ -105,7 +105,7 @@ impl Consent {
             words,
             file: Path::new("ledger.toml"),
             source: &study.ledger_source,
-            place: toml_place(&study.ledger_source, &["evidence", &number, "command"]),
+            place: value_place(&study.ledger_source, &["evidence", &number, "command"]),
         };
         Self::to(&study.folder, &wanted, host)
     }

@@ -77,6 +77,69 @@ pub struct SceneRig {
     truth: Vec<String>,
 }
 
+/// The files of a scene, as they are read, with their hashes.
+struct SceneFiles<'s> {
+    study: &'s Study,
+    /// The scene's.
+    folder: &'s Path,
+    read: Mutex<BTreeMap<String, String>>,
+    /// The first address that leads out of reach: a reader may try others, and say only that none is there.
+    refused: Mutex<Option<String>>,
+}
+
+/// What stands behind an address that leads out of reach.
+const REFUSED: &str = " is not opened: ";
+
+impl<'s> SceneFiles<'s> {
+    fn of(study: &'s Study, folder: &'s Path) -> Self {
+        Self {
+            study,
+            folder,
+            read: Mutex::default(),
+            refused: Mutex::default(),
+        }
+    }
+
+    /// The bytes at an address, which is relative to the scene, or why there are none.
+    fn bytes(&self, address: &str) -> Result<Vec<u8>, String> {
+        let path = address.strip_prefix("file://").unwrap_or(address);
+        let path = self.folder.join(path);
+        let why = self.study.reach.refuses(&path);
+        if let Some(why) = why.filter(|_| path.exists()) {
+            let mut refused = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
+            let why = format!("{address}{REFUSED}{why}");
+            return Err(refused.get_or_insert(why).clone());
+        }
+        let bytes = read_file(&path, u64::MAX - 1);
+        let bytes = bytes.map_err(|problem| problem.message().to_owned())?;
+        self.keep(address, &bytes);
+        Ok(bytes)
+    }
+
+    /// Hashes a file of a controller, wherever it lies: it was allowed with the controller.
+    fn hash(&self, name: &str) -> Result<(), Problem> {
+        let bytes = read_file(&self.folder.join(name), u64::MAX - 1)?;
+        self.keep(name, &bytes);
+        Ok(())
+    }
+
+    fn keep(&self, address: &str, bytes: &[u8]) {
+        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        read.insert(address.to_owned(), hash_of(bytes));
+    }
+
+    fn refused(&self) -> Option<String> {
+        let refused = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
+        refused.clone()
+    }
+
+    /// What was read, by address.
+    fn read(&self) -> BTreeMap<String, String> {
+        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        read.clone()
+    }
+}
+
 impl SceneRig {
     /// Reads what a scene names, whose own text is `source` and whose path in the study is `scene`. `test` is one of the
     /// scene's own tests, the first if it is not named.
@@ -92,21 +155,8 @@ impl SceneRig {
     ) -> Result<Self, Problem> {
         let path = study.folder.join(scene);
         let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
-        let files = Mutex::new(BTreeMap::new());
-        // The first address that leads out of reach: a reader may try others, and say only that none is there.
-        let refused: Mutex<Option<String>> = Mutex::default();
-        let read = |address: &str| {
-            let local = folder.join(address.strip_prefix("file://").unwrap_or(address));
-            if let Some(why) = study.reach.refuses(&local).filter(|_| local.exists()) {
-                let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
-                let why = format!("{address} is not opened: {why}");
-                return Err(refused.get_or_insert(why).clone());
-            }
-            let bytes = read_file(&local, u64::MAX - 1).map_err(|e| e.message().to_owned())?;
-            let mut files = files.lock().unwrap_or_else(PoisonError::into_inner);
-            files.insert(address.to_owned(), hash_of(&bytes));
-            Ok(bytes)
-        };
+        let files = SceneFiles::of(study, &folder);
+        let read = |address: &str| files.bytes(address);
         check_ros2(source)?;
         let consent = Consent::to_scene(study, scene, source, host)?;
         let made = SceneBench::new(
@@ -115,29 +165,25 @@ impl SceneRig {
             physics.build,
             starter(&folder, host.python_path.as_deref(), consent),
         );
-        let refused = || {
-            refused
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .clone()
-        };
-        let (bench, gaps) = made.map_err(|error| match refused() {
-            Some(why) => Problem::new(OUTSIDE, format!("{}: {why}", source.name))
-                .at(source, named_in(source, &why))
-                .remedy(REMEDY),
+        let (bench, gaps) = made.map_err(|error| match files.refused() {
+            Some(why) => out_of_reach(source, &why),
             None => scene_problem(source, &error),
         })?;
+        // What is missing may be a gap of the description only; what was refused is not.
+        if let Some(why) = files.refused() {
+            return Err(out_of_reach(source, &why));
+        }
         let (bench, truth) = truth::declared(bench, study, source)?;
         let stimulus = Stimulus::of(chosen(&bench, test, source)?);
         for controller in &bench.data().controllers {
             // What of the command is a file is part of what is tested.
             for name in controller.command.iter().chain(&controller.files) {
                 if folder.join(name).is_file() {
-                    read(name).map_err(|error| Problem::new("bad-scene", error))?;
+                    files.hash(name)?;
                 }
             }
         }
-        let files = files.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let files = files.read();
         let checked = bench.checked().iter();
         let checked = checked.map(|it| match line_of(source, &it.key) {
             Some((line, column)) => format!("{}:{line}:{column}: {}", plain(scene), it.what),
@@ -482,10 +528,12 @@ fn chosen(
     })
 }
 
-/// Where a scene names the file that a message is about; its first line if another file does.
-fn named_in(source: &Source, why: &str) -> std::ops::Range<usize> {
-    let address = why.split(" is not opened").next().unwrap_or_default();
-    study::placed::quoted(source, address)
+/// A scene that names what it may not read, itself or by what it includes: then its first line is shown.
+fn out_of_reach(source: &Source, why: &str) -> Problem {
+    let address = why.split(REFUSED).next().unwrap_or_default();
+    Problem::new(OUTSIDE, format!("{}: {why}", source.name))
+        .at(source, study::placed::quoted(source, address))
+        .remedy(REMEDY)
 }
 
 fn scene_problem(source: &Source, error: &SimError) -> Problem {

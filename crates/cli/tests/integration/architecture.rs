@@ -255,7 +255,10 @@ fn programs_are_started_in_few_places() {
         found.partition::<Vec<String>, _>(is_allowed)
     };
     for (words, allowed) in [
-        (&["process::Command"][..], &START_PROGRAMS[..]),
+        (
+            &["process::Command", "Command::new"][..],
+            &START_PROGRAMS[..],
+        ),
         (&["Consent::typed"], &TAKE_AS_TYPED),
     ] {
         let (known, others) = among(words, allowed);

@@ -100,6 +100,9 @@ impl Strangers {
 
 const DRIVER: &str = "controller/driver.py";
 
+/// Runs an episode, unless it is there.
+const SIMULATE: [&str; 7] = ["simulate", "study", "S1", "--episodes", "1", "--out", "o"];
+
 #[test]
 fn no_command_runs_a_strangers_program() {
     let strangers = Strangers::new();
@@ -112,7 +115,7 @@ fn no_command_runs_a_strangers_program() {
         &["replay", "study", "S1:1"],
     ] {
         let talk = strangers.refused(arguments);
-        assert!(talk.contains("ledger.toml:24:11"), "{arguments:?}: {talk}");
+        assert!(talk.contains("ledger.toml:25:11"), "{arguments:?}: {talk}");
     }
 }
 
@@ -170,7 +173,7 @@ fn what_runs_no_program_works() {
 fn a_study_is_allowed_as_it_is_and_asked_for_when_it_changes() {
     let strangers = Strangers::new();
     let shown = strangers.run(&["trust", "study", "--show"]);
-    let line = "ledger.toml:24: S1: python3 simulate.py {stimulus} {seed} {recording}";
+    let line = "ledger.toml:25: S1: python3 simulate.py {stimulus} {seed} {recording}";
     assert!(shown.out.contains(line), "{shown:?}");
     strangers.refused(&["run", "study"]);
     let allowed = strangers.run(&["trust", "study"]);
@@ -206,8 +209,11 @@ fn a_study_is_allowed_as_it_is_and_asked_for_when_it_changes() {
     ]);
 
     strangers.study.write("json.py", "open('../stolen', 'w')\n");
-    let talk = strangers.refused(&["run", "study"]);
+    let talk = strangers.refused(&SIMULATE);
     assert!(talk.contains("json.py is new"), "{talk}");
+    // What runs no program, since nothing is stale, is not asked for.
+    assert_ne!(strangers.run(&["run", "study"]).code, 2);
+    assert!(!strangers.ran());
     std::fs::remove_file(strangers.study.path("json.py")).expect("removed");
     strangers
         .study
@@ -270,8 +276,15 @@ fn a_program_that_is_swapped_is_seen() {
             .study
             .write("results/step.py", "1")
             .write("step.csv", "1");
-        let assets = "assets = [\"../beside.py\", \"results/step.py\", \"step.csv\"]\nleaves";
-        strangers.study.edit("ledger.toml", "leaves", assets);
+        let assets = "assets = [\"results/step.py\", \"step.csv\"]\nleaves = \"csv\"";
+        strangers
+            .study
+            .edit("ledger.toml", "leaves = \"csv\"", assets);
+        // A word that names a file beside the study.
+        let own = "\"{recording}\"]";
+        strangers
+            .study
+            .edit("ledger.toml", own, "\"{recording}\", \"../beside.py\"]");
         let allowed = strangers.run(&["trust", "study"]);
         assert_eq!(allowed.code, 0, "{allowed:?}");
         strangers.refused_after(swap, expected);
@@ -356,7 +369,6 @@ fn who_makes_a_study_may_run_it() {
 #[test]
 fn a_call_and_the_environment_allow_what_they_name() {
     let strangers = Strangers::new();
-    let simulate = ["simulate", "study", "S1", "--episodes", "1", "--out", "o"];
     let beside = std::fs::canonicalize(strangers.study.beside()).expect("there");
     let beside = beside.to_str().expect("UTF-8");
     for (value, allows) in [
@@ -367,18 +379,20 @@ fn a_call_and_the_environment_allow_what_they_name() {
         (".".to_owned(), false),
         ("1".to_owned(), false),
     ] {
-        let said = strangers.with("CORROBORATE_TRUST", &value, &simulate);
+        let said = strangers.with("CORROBORATE_TRUST", &value, &SIMULATE);
+        let _ = std::fs::remove_dir_all(strangers.study.beside().join("o"));
         assert_eq!(strangers.ran(), allows, "{value}: {said:?}");
         assert_eq!(said.code == 2, !allows, "{value}: {said:?}");
     }
-    strangers.runs(&[&simulate[..], &["--trust"]].concat());
-    strangers.refused(&simulate);
+    strangers.runs(&[&SIMULATE[..], &["--trust"]].concat());
+    std::fs::remove_dir_all(strangers.study.beside().join("o")).expect("removed");
+    strangers.refused(&SIMULATE);
 }
 
 #[test]
 fn records_are_the_users_alone() {
     let strangers = Strangers::new();
-    let simulate = ["simulate", "study", "S1", "--episodes", "1", "--out", "o"];
+    let simulate = SIMULATE;
     strangers.run(&["trust", "study", "--always"]);
     let records = strangers.state.path().join("corroborate/trust");
     let mut files = std::fs::read_dir(&records).expect("records").flatten();
@@ -434,7 +448,17 @@ fn a_scene_among_results_is_not_part_of_what_was_allowed() {
 #[test]
 fn a_test_that_is_typed_is_not_asked_for() {
     let strangers = Strangers::new();
-    let said = strangers.run(&["decide", "--at-least", "0.5", "--out", "d", "--", "true"]);
+    let said = strangers.run(&[
+        "decide",
+        "--at-least",
+        "0.5",
+        "--out",
+        "d",
+        "--",
+        "sh",
+        "-c",
+        "true {seed}",
+    ]);
     assert!(!said.talk.contains("not-trusted"), "{said:?}");
     assert_eq!(said.code, 0, "{said:?}");
 }

@@ -116,7 +116,7 @@ struct ModeRow {
 impl Tables {
     /// Reads and checks the tables that are given.
     pub fn read(study: &Study, files: TableFiles<'_>) -> Result<Self, Problem> {
-        Self::read_through(study, files, &Files::of(&study.folder))
+        Self::read_through(study, files, &Files::of_study(study))
     }
 
     /// The same, read through `reader`.

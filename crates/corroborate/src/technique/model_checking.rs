@@ -112,7 +112,7 @@ impl<'a> Compiled<'a> {
 
     /// Reads a model and binds the study's questions to it.
     pub fn new(study: &'a Study, path: &Path) -> Result<Self, Problem> {
-        Self::read(study, path, &Files::of(&study.folder))
+        Self::read(study, path, &Files::of_study(study))
     }
 
     /// The same, with the model read through `files`.

@@ -84,7 +84,7 @@ impl Technique for FaultTrees<'_> {
     }
 
     fn verify(&self, asked: Asked<'_>, kept: &Kept<'_>, audit: &mut Audit) -> Result<(), Problem> {
-        let ready = self.read(asked, &Files::of(&asked.study.folder))?;
+        let ready = self.read(asked, &Files::of_study(asked.study))?;
         let value_of = |name: &str| ready.constant(name);
         let counted = counted_constants(asked.study, asked.entry, kept.before, &value_of)?;
         let again = ready.analysed(&counted)?;
@@ -129,7 +129,7 @@ pub(crate) fn tree_values(
     };
     let source = match change {
         TreeChange::MissionTime(_) => {
-            Files::of(&asked.study.folder).text(AssetRole::SystemModel, tree)?
+            Files::of_study(asked.study).text(AssetRole::SystemModel, tree)?
         }
         TreeChange::Text(text) => Source {
             name: tree.display().to_string(),
