@@ -175,7 +175,7 @@ pub enum Command {
     Verify(Verify),
     /// Make a new study: from a template, a robot's description, a recording or a behaviour tree.
     Init(Init),
-    /// Show which programs a study would run, and allow them; what it runs without is asked first.
+    /// Show which programs a study would run, and allow them: until then they do not run.
     Trust(Trust),
     /// Show the keys of a study's files, or their JSON Schemas for an editor.
     Schema(SchemaOfFile),

@@ -147,12 +147,16 @@ fn source_of(value: toml::Value) -> Option<Ros2Source> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn reach(folder: &tempfile::TempDir) -> Reach {
+        Reach::of(folder.path(), &host::Trust::default())
+    }
     use trace::Field;
 
     fn table(text: &str) -> (tempfile::TempDir, Result<Ros2Table, Problem>) {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join(FILE), text).expect("written");
-        let table = Ros2Table::beside(&folder.path().join("scenario.toml"));
+        let table = Ros2Table::beside(&folder.path().join("scenario.toml"), &reach(&folder));
         (folder, table)
     }
 
@@ -229,7 +233,7 @@ mod tests {
     #[test]
     fn a_study_without_a_table_is_told_so() {
         let folder = tempfile::tempdir().expect("a folder");
-        let none = Ros2Table::beside(&folder.path().join("scenario.toml"));
+        let none = Ros2Table::beside(&folder.path().join("scenario.toml"), &reach(&folder));
         assert_eq!(none.expect_err("refused").code, "no-ros2-table");
     }
 }

@@ -110,11 +110,15 @@ impl StudyParameters {
 mod tests {
     use super::*;
 
+    fn saved(folder: &Path) -> crate::Saved {
+        crate::Saved(host::Reach::of(folder, &host::Trust::default()))
+    }
+
     fn load(text: &str) -> Result<StudyParameters, Problem> {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join(FILE), text).expect("written");
         let mut found = Problems::new();
-        let parameters = StudyParameters::load(folder.path(), &crate::Saved, &mut found);
+        let parameters = StudyParameters::load(folder.path(), &saved(folder.path()), &mut found);
         found.or(parameters)
     }
 
@@ -137,7 +141,8 @@ mod tests {
     #[test]
     fn a_study_without_the_file_has_none() {
         let folder = tempfile::tempdir().expect("a folder");
-        let parameters = StudyParameters::load(folder.path(), &crate::Saved, &mut Problems::new());
+        let parameters =
+            StudyParameters::load(folder.path(), &saved(folder.path()), &mut Problems::new());
         assert!(parameters.declared.is_empty());
     }
 }

@@ -242,6 +242,7 @@ mod tests {
             words: &words,
             folder: Path::new("."),
             limit,
+            consent: &Consent::typed(),
         };
         let episode = Episode {
             stimulus: Path::new("/s.json"),
@@ -302,6 +303,7 @@ mod tests {
             words: &words,
             folder: Path::new("."),
             limit: LIMIT,
+            consent: &Consent::typed(),
         };
         let episode = Episode {
             stimulus: Path::new("/s"),
