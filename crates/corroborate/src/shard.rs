@@ -175,7 +175,7 @@ pub fn shard(request: &ShardRequest, host: &Host) -> Result<ShardReport, Problem
             "name one of 1/N to N/N, where N is at most {MOST_SHARDS}"
         )));
     }
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let entries = simulations(&study, &request.only)?;
     let store = Store::open(&request.out)?;
     let mut campaigns = Vec::new();
@@ -307,7 +307,7 @@ impl ShardReport {
 /// What the study's files say wrong; `no-shard` for a folder that is none; `other-shard` for one of another study, seed or build;
 /// `shards-differ`, `other-seed` and `other-recording` for episodes that are not what they say; `interrupted`.
 pub fn merge(request: &MergeRequest, host: &Host) -> Result<MergeReport, Problem> {
-    let study = Study::load(&request.study)?;
+    let study = Study::load_for(&request.study, &host.trust)?;
     let shards = request.shards.iter().map(|folder| {
         known(folder).ok_or_else(|| {
             let message = format!("{} is not the folder of a shard that is complete", folder.display());

@@ -47,6 +47,7 @@ const GROUPS: [(&str, &[&str]); 7] = [
         &[
             "explain",
             "schema",
+            "trust",
             "doctor",
             "completions",
             "man",

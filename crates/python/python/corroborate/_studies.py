@@ -192,7 +192,7 @@ class Study:
         """
         named = _checked.path(out, "out", "a folder", "name the folder of the shard")
         which = (_checked.whole(shard, "shard"), _checked.whole(of, "of"))
-        return _engine.study_shard(self._asked(only), which, named, surroundings(), progress)
+        return _engine.study_shard(self._asked(only), which, named, self._surroundings(), progress)
 
     def merge(self, *shards: PathLike) -> dict[str, Any]:
         """Takes the episodes of shards over into the results, after which :meth:`run` simulates none of them again.
@@ -207,7 +207,7 @@ class Study:
             Problem: ``no-shard``, ``other-shard``, ``shards-differ``, ...
         """
         named = [_checked.path(it, "shards", "a folder", "name the folder of a shard") for it in shards]
-        return _engine.study_merge(self._asked(()), named, surroundings())
+        return _engine.study_merge(self._asked(()), named, self._surroundings())
 
     def result(self) -> StudyResult:
         """The result of the last run.

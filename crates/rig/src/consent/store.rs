@@ -29,7 +29,18 @@ pub(super) fn read(file: &Path) -> Result<Option<Record>, String> {
     record.map(Some).map_err(cannot)
 }
 
+/// Where files have no owner that could be asked for, the folder of the user's own state keeps others out.
+#[cfg(not(unix))]
+fn is_only_mine(file: &Path) -> Result<(), String> {
+    let known = std::fs::symlink_metadata(file);
+    match known.is_ok_and(|it| it.is_file()) {
+        true => Ok(()),
+        false => Err(format!("the record {} is not a file", file.display())),
+    }
+}
+
 /// Whoever may write a record may run programs as this user.
+#[cfg(unix)]
 fn is_only_mine(file: &Path) -> Result<(), String> {
     use std::os::unix::fs::MetadataExt;
     let known = std::fs::symlink_metadata(file);
