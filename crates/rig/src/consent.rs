@@ -60,6 +60,9 @@ pub(crate) struct Wanted<'w> {
     pub(crate) place: Range<usize>,
 }
 
+/// A program with its arguments.
+type Words = Vec<String>;
+
 impl Consent {
     /// For what the user has typed on the command line, which is no study's.
     pub(crate) fn typed() -> Self {
@@ -119,7 +122,7 @@ impl Consent {
         scene: &Path,
         source: &Source,
         host: &Host,
-    ) -> Result<Option<(Self, Vec<Vec<String>>)>, Problem> {
+    ) -> Result<Option<(Self, Vec<Words>)>, Problem> {
         let named = programs::in_text(&source.text);
         let Some(first) = named.first() else {
             return Ok(None);
