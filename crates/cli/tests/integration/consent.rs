@@ -239,10 +239,13 @@ fn a_study_is_allowed_as_it_is_and_asked_for_when_it_changes() {
     assert!(none.out.contains("No study is allowed"), "{none:?}");
 }
 
+/// What is done to a study.
+type Change<'c> = &'c dyn Fn(&Strangers);
+
 /// Programs that change without the study's texts: each has to be asked for anew.
 #[test]
 fn a_program_that_is_swapped_is_seen() {
-    let swaps: [(&str, &dyn Fn(&Strangers)); 6] = [
+    let swaps: [(&str, Change); 6] = [
         ("simulate.py was changed", &|it| {
             let other = it.study.beside().join("other.py");
             std::fs::copy(it.study.path("simulate.py"), &other).expect("copied");
