@@ -89,6 +89,7 @@ fn develop(builder: &mut Builder, goal: usize, view: View, requirement: &Require
     if let Some(conclusion) = conclusion {
         let text = format!("Concluded: {}", conclusion.statement);
         builder.context(goal, Kind::Context, name, text);
+        left_out(builder, goal, conclusion);
     }
     together(builder, goal, view, name);
     let pieces = rests_on(view, requirement);
@@ -116,6 +117,19 @@ fn develop(builder: &mut Builder, goal: usize, view: View, requirement: &Require
     }
     deny(builder, goal, view, requirement, (verdict, &against));
     conflicts(builder, goal, view, requirement, &pieces);
+}
+
+/// What has a number on the requirement and takes no part in what is concluded of it, each with its reason: trials under other conditions, above
+/// all. Who reads the argument alone would not know of them.
+fn left_out(builder: &mut Builder, goal: usize, conclusion: &Conclusion) {
+    let excluded = conclusion.excluded.iter();
+    let spoken = excluded.filter(|it| !it.reason.is_silence());
+    let words: Vec<&str> = spoken.map(|it| it.words.as_str()).collect();
+    if !words.is_empty() {
+        let name = format!("{}-left-out", conclusion.requirement);
+        let text = format!("Left out: {}", words.join(" "));
+        builder.context(goal, Kind::Context, &name, text);
+    }
 }
 
 /// What the evidence supports together: combined, and all of it at once.

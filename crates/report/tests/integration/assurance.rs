@@ -149,6 +149,36 @@ fn the_argument_says_what_the_study_concluded() {
     }
 }
 
+/// Trials under other conditions stand in the argument with their reason, though no claim rests on them.
+#[test]
+fn what_is_left_out_is_named_in_the_argument() {
+    let mut study = fixture::study();
+    let words = "Z9 was done under other conditions: at night.";
+    study.conclusions[0].excluded.push(Excluded {
+        evidence: "Z9".into(),
+        reason: ExclusionReason::OtherConditions("at night".into()),
+        verdict_with_it: None,
+        words: words.into(),
+    });
+    study.conclusions[0].excluded.push(Excluded {
+        evidence: "Z8".into(),
+        reason: ExclusionReason::NotCovered("nothing".into()),
+        verdict_with_it: None,
+        words: "Z8 never covered it.".into(),
+    });
+    let case = case(&study);
+    let argument = case.arguments.first().expect("an argument");
+    let said = |text: &str| {
+        argument
+            .nodes
+            .iter()
+            .filter(|it| it.text.contains(text))
+            .count()
+    };
+    assert_eq!((said(words), said("Z8 never")), (1, 0));
+    check(argument);
+}
+
 #[test]
 fn agreement_that_is_a_fit_supports_nothing() {
     let mut study = fixture::study();
