@@ -167,7 +167,7 @@ fn what_is_left_out_is_named_in_the_argument() {
         words: "Z8 never covered it.".into(),
     });
     let case = case(&study);
-    let argument = case.arguments.first().expect("an argument");
+    let argument = &case.safety;
     let said = |text: &str| {
         argument
             .nodes
