@@ -118,8 +118,7 @@ class Study:
     Args:
         folder: where ``study.toml`` lies.
         out: the folder of results; by default ``results`` in the study.
-        trust: whether the programs that the study names (commands of its ledger, controllers of its scenes) may run. Otherwise they run
-            only if this machine's user has allowed them: ``corroborate trust STUDY``, or a folder of ``CORROBORATE_TRUST``.
+        trust: whether programs that the study names may run; else those that this user has allowed (``corroborate trust STUDY``).
 
     Raises:
         Problem: all mistakes of its files, each with its place.
