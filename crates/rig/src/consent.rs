@@ -5,7 +5,7 @@
 //!
 //! 1. the user has said so for this call, or names a folder around the study ([`host::Trust`]);
 //! 2. there is a record that this study is allowed whatever it contains: one's own;
-//! 3. there is a record of this study with this content ([`content`]): every file that could be a program, or name one.
+//! 3. there is a record of this study with this content ([`Content`]): every file that could be a program, or name one.
 //!
 //! # Guarantee
 //! No program of a study runs whose folder has another content than the one that was allowed, as far as files are part of the
