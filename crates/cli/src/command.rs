@@ -16,6 +16,7 @@ mod init;
 mod inspect;
 mod language_server;
 mod man;
+mod merge;
 mod monitor;
 pub(crate) mod pack;
 mod plan;
@@ -26,7 +27,6 @@ mod report;
 mod requirements;
 mod run;
 mod schema;
-mod shard;
 mod shrink;
 mod simulate;
 mod trust;
@@ -52,11 +52,8 @@ pub struct Done {
 /// Carries out a command.
 pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
     match command {
-        Command::Run(arguments) => match (arguments.shard, &arguments.out) {
-            (Some(of), Some(out)) => shard::shard(arguments, of, out, setting),
-            _ => run::run(arguments, setting),
-        },
-        Command::Merge(arguments) => shard::merge(arguments, setting),
+        Command::Run(arguments) => run::run(arguments, setting),
+        Command::Merge(arguments) => merge::merge(arguments, setting),
         Command::Plan(arguments) => plan::plan(arguments, setting),
         Command::Check(arguments) => check::check(arguments, setting),
         Command::Format(arguments) => format::format(arguments),

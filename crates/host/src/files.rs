@@ -200,23 +200,14 @@ pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), Problem> {
 ///
 /// # Errors
 /// `cannot-write`.
-#[cfg(unix)]
 pub fn write_private(path: &Path, content: &[u8]) -> Result<(), Problem> {
-    use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
     let fail = |error: std::io::Error| Problem::cannot_write(path, &error);
     if let Some(folder) = path.parent() {
-        let mut made = std::fs::DirBuilder::new();
-        made.recursive(true)
-            .mode(0o700)
-            .create(folder)
-            .map_err(fail)?;
+        crate::system::make_private_folder(folder).map_err(fail)?;
     }
     write_whole_by(path, |mut file| {
         // Before anything is in it.
-        let mode = std::fs::Permissions::from_mode(0o600);
-        let written = file
-            .set_permissions(mode)
-            .and_then(|()| file.write_all(content));
+        let written = crate::system::keep_private(&file).and_then(|()| file.write_all(content));
         written.map_err(fail)?;
         Ok(file)
     })

@@ -15,6 +15,7 @@
 //! Nobody else writes to the study's folder between the question and the start of the program.
 
 mod content;
+mod owner;
 mod programs;
 mod records;
 mod store;

@@ -1,6 +1,8 @@
 //! `corroborate run`: produce what is missing or stale, compare, conclude,
 //! report.
 
+mod shard;
+
 use super::{Done, Host, json, use_threads};
 use crate::args::{Format, Run};
 use crate::terminal::{terminal_width, use_colour};
@@ -12,6 +14,9 @@ use evidence::{Evidence, StudyResult};
 
 /// Runs a study.
 pub fn run(arguments: &Run, setting: &Host) -> Result<Done, Problem> {
+    if let (Some(of), Some(out)) = (arguments.shard, &arguments.out) {
+        return shard::shard(arguments, of, out, setting);
+    }
     use_threads(arguments.threads)?;
     let request = RunRequest {
         techniques: corroborate::Techniques::default(),

@@ -130,7 +130,7 @@ fn without_recordings_the_episodes_that_are_drawn_do() {
     }
     assert!(met >= 10, "{met} of 20");
     // Another draw each time, unless one is named.
-    let drawn = |said: &Said| said.out.split("drawn from ").nth(1).map(str::to_owned);
+    let drawn = |said: &Said| said.out.split("(drawn from ").nth(1).map(str::to_owned);
     let (one, other) = (verify(path, &["--deep"]), verify(path, &["--deep"]));
     assert_ne!(drawn(&one), drawn(&other));
 }

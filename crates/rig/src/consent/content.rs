@@ -140,13 +140,7 @@ impl Content {
 /// Whether it is a table or a recording, and no more.
 fn is_data(path: &Path) -> bool {
     let extension = path.extension().and_then(|it| it.to_str());
-    extension.is_some_and(|it| DATA.contains(&it)) && !may_be_executed(path)
-}
-
-#[cfg(unix)]
-fn may_be_executed(path: &Path) -> bool {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::metadata(path).is_ok_and(|it| it.permissions().mode() & 0o111 != 0)
+    extension.is_some_and(|it| DATA.contains(&it)) && !host::system::may_be_executed(path)
 }
 
 /// What a link is: where it leads to, and the bytes behind it if that is a file.

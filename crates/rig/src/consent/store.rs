@@ -22,37 +22,11 @@ pub(super) fn read(file: &Path) -> Result<Option<Record>, String> {
     if !file.exists() {
         return Ok(None);
     }
-    is_only_mine(file)?;
+    super::owner::is_only_mine(file)?;
     let bytes = host::files::read_file(file, MOST_BYTES).map_err(|problem| problem.line())?;
     let record = serde_json::from_slice(&bytes);
     let cannot = |error: serde_json::Error| format!("{} is damaged: {error}", file.display());
     record.map(Some).map_err(cannot)
-}
-
-/// Where files have no owner that could be asked for, the folder of the user's own state keeps others out.
-#[cfg(not(unix))]
-fn is_only_mine(file: &Path) -> Result<(), String> {
-    let known = std::fs::symlink_metadata(file);
-    match known.is_ok_and(|it| it.is_file()) {
-        true => Ok(()),
-        false => Err(format!("the record {} is not a file", file.display())),
-    }
-}
-
-/// Whoever may write a record may run programs as this user.
-#[cfg(unix)]
-fn is_only_mine(file: &Path) -> Result<(), String> {
-    use std::os::unix::fs::MetadataExt;
-    let known = std::fs::symlink_metadata(file);
-    let known = known.map_err(|error| format!("{}: {error}", file.display()))?;
-    let is_mine = known.uid() == rustix::process::geteuid().as_raw();
-    match known.is_file() && is_mine && known.mode() & 0o022 == 0 {
-        true => Ok(()),
-        false => Err(format!(
-            "the record {} could have been written by others, so it does not count",
-            file.display()
-        )),
-    }
 }
 
 /// Writes a record whole, for its user alone.

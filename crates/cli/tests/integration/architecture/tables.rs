@@ -283,11 +283,12 @@ pub const SYSTEMS: [&str; 7] = [
 ];
 
 /// The files that may name it, each of which says what is done on the other systems.
-pub const MAY_NAME_A_SYSTEM: [&str; 7] = [
+pub const MAY_NAME_A_SYSTEM: [&str; 8] = [
     "crates/cli/src/command/pack/pdf.rs",
     "crates/cli/src/memory/allocator.rs",
     "crates/host/src/system.rs",
     "crates/live/src/foxglove/socket.rs",
+    "crates/rig/src/consent/owner.rs",
     "crates/rig/src/group/unix.rs",
     "crates/rig/src/group/windows.rs",
     "crates/rig/src/processor.rs",

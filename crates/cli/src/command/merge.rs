@@ -1,53 +1,11 @@
-//! `corroborate run --shard` and `corroborate merge`: a study's episodes on several machines.
+//! `corroborate merge`: a study's episodes from several machines, taken over.
 
-use super::{Done, Host, json, use_threads};
-use crate::args::{Format, Merge, Run};
-use corroborate::shard::{MergedCampaign, ShardOfCampaign};
-use corroborate::{Ended, MergeReport, MergeRequest, Outcome, ShardReport, ShardRequest};
+use super::{Done, Host, json};
+use crate::args::{Format, Merge};
+use corroborate::shard::MergedCampaign;
+use corroborate::{Ended, MergeReport, MergeRequest, Outcome};
 use diagnostic::{Problem, counted};
 use std::path::Path;
-
-/// Runs a shard.
-pub fn shard(arguments: &Run, of: (u64, u64), out: &Path, setting: &Host) -> Result<Done, Problem> {
-    use_threads(arguments.threads)?;
-    let request = ShardRequest {
-        only: arguments.only.clone(),
-        ..ShardRequest::new(&arguments.study, of, out)
-    };
-    let report = corroborate::shard(&request, setting)?;
-    Ok(Done {
-        output: match arguments.format {
-            Format::Json => json(&report)?,
-            Format::Text => of_shard(&report, &arguments.study, out),
-        },
-        outcome: Outcome::Holds,
-    })
-}
-
-fn of_shard(report: &ShardReport, study: &Path, out: &Path) -> String {
-    let lines = report.campaigns.iter().map(|it| format!("{}\n", ran(it)));
-    let lines: String = lines.collect();
-    format!(
-        "{lines}Shard {} of {} is in {out}\nNext, with all shards: corroborate merge {study} {out} ...\n",
-        report.shard,
-        report.of,
-        out = out.display(),
-        study = study.display()
-    )
-}
-
-/// What a shard ran of a campaign.
-fn ran(run: &ShardOfCampaign) -> String {
-    let id = &run.evidence;
-    if run.episodes == 0 {
-        return format!("{id}: no episodes fall to this shard");
-    }
-    let last = run.first + run.episodes - 1;
-    format!(
-        "{id}: episodes {} to {last} ({:.1} s)",
-        run.first, run.wall_secs
-    )
-}
 
 /// Takes over what shards have.
 pub fn merge(arguments: &Merge, setting: &Host) -> Result<Done, Problem> {
@@ -128,9 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_committed_schemas_are_the_forms_that_are_printed() {
-        let shard: serde_json::Value = schemars::schema_for!(ShardReport).into();
-        crate::command::tests::assert_schema_is_committed("shard.schema.json", &shard);
+    fn the_committed_schema_is_the_form_that_is_printed() {
         let merge: serde_json::Value = schemars::schema_for!(MergeReport).into();
         crate::command::tests::assert_schema_is_committed("merge.schema.json", &merge);
     }
