@@ -174,14 +174,14 @@ class Study:
     def shard(
         self, shard: int, of: int, out: PathLike, *, only: Sequence[str] = (), progress: Progress = None
     ) -> dict[str, Any]:
-        """Simulates the episodes of one shard alone, on this machine; :meth:`merge` puts shards together.
+        """Simulates the episodes of one shard alone, on this machine; ``merge`` puts shards together.
 
         Args:
             shard: which one, from 1.
             of: of how many.
             out: the folder of the shard; one that was interrupted is gone on with.
             only: simulations of the ledger; all if there are none.
-            progress: as for :meth:`run`.
+            progress: as for ``run``.
 
         Returns:
             What was run, as ``shard.json`` in the folder has it.
@@ -194,10 +194,10 @@ class Study:
         return _engine.study_shard(self._asked(only), which, named, self._surroundings(), progress)
 
     def merge(self, *shards: PathLike) -> dict[str, Any]:
-        """Takes the episodes of shards over into the results, after which :meth:`run` simulates none of them again.
+        """Takes the episodes of shards over into the results, after which ``run`` simulates none of them again.
 
         Args:
-            shards: folders that :meth:`shard` or ``corroborate run --shard`` wrote, in any order.
+            shards: folders that ``shard`` or ``corroborate run --shard`` wrote, in any order.
 
         Returns:
             By simulation what was taken over, and what is ``missing``.
@@ -254,7 +254,7 @@ class Study:
             sboms: bills of materials of the system under test (CycloneDX or SPDX, in JSON).
             pdf: the report as PDF, if it was made elsewhere; otherwise a browser prints it, where there is one.
             with_recordings: puts recordings into the pack; otherwise they are named by their hashes.
-            progress: as of :meth:`run`.
+            progress: as of ``run``.
 
         Raises:
             Problem: ``not-run`` without a run, ``stale-result`` if something has changed since, ``result-does-not-follow`` if a figure
