@@ -16,7 +16,8 @@ const UNTIL: (&str, &str, &str) = (
     "episodes = 40\nuntil = { requirement = \"stops\", threshold = 0.2, confidence = 0.9 }",
 );
 
-/// All files of results but the costs and the marks of processes, with their content.
+/// The episodes of results, with their content. Recordings of episodes that ran ahead of the one at which a stopping rule ended it, as many
+/// as there were threads, are not of them.
 fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     fn add(folder: &Path, under: &str, found: &mut BTreeMap<String, Vec<u8>>) {
         for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
@@ -29,6 +30,13 @@ fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     }
     let mut found = BTreeMap::new();
     add(&folder.join("episodes"), "episodes/", &mut found);
+    let journal = String::from_utf8(found["episodes/sim/journal"].clone()).expect("text");
+    let last = journal.lines().count() - 1;
+    let number = |name: &str| {
+        let stem = name.strip_prefix("episodes/sim/episode-")?;
+        stem.strip_suffix(".csv")?.parse::<usize>().ok()
+    };
+    found.retain(|name, _| number(name).is_none_or(|it| it <= last));
     found
 }
 

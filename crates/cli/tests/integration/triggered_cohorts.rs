@@ -278,7 +278,7 @@ fn attempts_count_only_where_nothing_says_that_some_do_not_trigger_it() {
     for (stumbles, trigger, is_asked) in [
         ("0.4", "", false),
         ("0.4", "F<=1 \"stumbled\"", false),
-        ("0.4", "G !\"stumbled\"", false),
+        ("0.4", "G !\"fallen\"", false),
         ("1", "", true),
         ("1", "F<=1 \"stumbled\"", true),
     ] {
