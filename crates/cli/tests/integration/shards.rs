@@ -173,6 +173,12 @@ fn what_is_not_a_shard_of_this_study_is_refused() {
     let bytes = std::fs::read(&recording).expect("a recording");
     std::fs::write(&recording, b"time\n0\n").expect("written");
     refused("other-recording", 3);
+    assert!(!path.join("results/episodes/sim/episode-00030.csv").exists());
+    // Nor is a link, wherever it leads.
+    std::fs::remove_file(&recording).expect("removed");
+    host::system::link(std::path::Path::new("/etc/hostname"), &recording).expect("linked");
+    refused("other-recording", 3);
+    std::fs::remove_file(&recording).expect("removed");
     std::fs::write(&recording, &bytes).expect("written");
     assert_eq!(merge(path, &["one", "two"], "results").code, 0);
 

@@ -23,6 +23,7 @@ use super::took;
 use diagnostic::Problem;
 use judging::Judges;
 use judging::forms::differences::{forms_of, judges};
+use rig::OutsideCommand;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -189,6 +190,8 @@ impl Campaigning<'_> {
         if &hash_of_recording(&to)? == hash {
             return Ok(());
         }
+        // What is not ours does not stay.
+        OutsideCommand::remove(&to);
         let message = format!("{} is not the recording that was judged", from.display());
         Err(Problem::data_lost("other-recording", message)
             .remedy("copy the shard's folder again, or run the shard again"))
@@ -206,8 +209,13 @@ fn differ(number: u64, one: &Shard, other: &Shard) -> Problem {
     )
 }
 
-/// Copies a file, or a folder of files, whole or not at all.
+/// Copies a file, or a folder of files, whole or not at all. A link is neither: it could lead anywhere.
 fn copy_whole(from: &Path, to: &Path) -> Result<(), Problem> {
+    if from.is_symlink() {
+        let message = format!("{} is a link, not a recording", from.display());
+        return Err(Problem::data_lost("other-recording", message)
+            .remedy("copy the shard's folder with what its links lead to"));
+    }
     if !from.is_dir() {
         let mut source = host::files::open_file(from)?;
         return host::files::write_whole_by(to, |mut file| {
