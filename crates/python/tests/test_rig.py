@@ -65,12 +65,15 @@ def test_a_study_runs_it(tmp_path):
     (folder / "cart.py").write_text(CART)
     # The signals have the names of the study's: nothing has to be mapped.
     (folder / "topics.toml").unlink()
-    study = Study(folder)
+    with pytest.raises(corroborate.Problem) as caught:
+        Study(folder).produce("S1")
+    assert caught.value.code == "not-trusted"
+    study = Study(folder, trust=True)
     (found,) = study.produce("S1")
     measure = {it["subject"]["id"]: it["measure"] for it in found.data["findings"]}["stopping"]
     assert measure["trials"] == 12 and measure["count"] > 0
     # Again from nothing: the same bytes.
-    again = Study(folder, out=tmp_path / "again").produce("S1")[0]
+    again = Study(folder, out=tmp_path / "again", trust=True).produce("S1")[0]
     assert again.data["findings"] == found.data["findings"]
 
 
@@ -89,7 +92,7 @@ def test_it_is_explored_shrunk_and_calibrated(tmp_path):
     (folder / "calibration.toml").write_text(f'name = "fitted"\n{fit}{parameter}')
 
     def command(*arguments):
-        done = subprocess.run([sys.executable, "-m", "corroborate", *arguments], capture_output=True, text=True, cwd=folder)
+        done = subprocess.run([sys.executable, "-m", "corroborate", "--trust", *arguments], capture_output=True, text=True, cwd=folder)
         assert done.returncode in (0, 1, 3), done.stderr
         return done.stdout
 

@@ -31,6 +31,8 @@ The ledger's entry:
     stimulus = "stimulus.toml"
     leaves = "csv"
 
+It is a program that the study names, which runs once you have allowed it: ``Study(folder, trust=True)``, or ``corroborate trust``.
+
 An environment of Gymnasium is a rig as it is: ``rig.serve(rig.of_gymnasium(make_environment, policy, step_secs=0.02))``.
 """
 
