@@ -176,3 +176,11 @@ def test_a_number_of_trials_that_is_none_is_refused_where_it_stands(pytester, se
     found = pytester.runpytest_subprocess()
     assert found.ret == 2
     found.stdout.fnmatch_lines(["*requirement REQ-7: {} must be a whole number*".format(settings.split("=")[0])])
+
+
+def test_a_mark_without_its_name_is_refused(pytester):
+    """Else it would take the test for its name, and nothing would run."""
+    pytester.makepyfile("import pytest_corroborate as corroborate\n\n@corroborate.requirement\ndef test_it(seed):\n    assert False\n")
+    said = pytester.runpytest_subprocess()
+    assert said.ret == 2
+    said.stdout.fnmatch_lines(["*a requirement needs its name: @corroborate.requirement*"])

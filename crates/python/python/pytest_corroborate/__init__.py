@@ -35,6 +35,11 @@ def requirement(
     on_error    what these count for: "unknown" (against either answer) or "failure"
     stream      the stream that seeds are drawn from
     """
+    # Without parentheses it would take the test for its name, and the test would never run.
+    if not isinstance(name, str) or not name:
+        raise ValueError(
+            "a requirement needs its name: @corroborate.requirement(\"REQ-7\") above the test (got {!r})".format(name)
+        )
     for setting, value in [("max_trials", max_trials), ("max_errors", max_errors)]:
         least = 1 if setting == "max_trials" else 0
         if not isinstance(value, int) or isinstance(value, bool) or value < least:
