@@ -148,6 +148,25 @@ fn attempts_that_are_taken_to_trigger_it_are_said_to_be() {
     );
 }
 
+/// The study with a table of rows beside its cohort.
+fn with_row(vocabulary: &str, (name, key, row): (&str, &str, &str)) -> Planted {
+    let study = Planted::new();
+    for (file, text) in [
+        ("study.toml", STUDY),
+        ("requirements.toml", REQUIREMENTS),
+        ("vocabulary.toml", vocabulary),
+        (
+            "ledger.toml",
+            &format!("{LEDGER}tables.{key} = \"{name}\"\n"),
+        ),
+        ("cohort.csv", &cohort("stumbled", 2)),
+        (name, row),
+    ] {
+        study.write(file, text);
+    }
+    study
+}
+
 /// A row that says of another number of attempts that they triggered it than the column of what triggers it does.
 #[test]
 fn a_row_that_counts_other_trials_than_the_trigger_is_refused() {
@@ -172,20 +191,7 @@ fn a_row_that_counts_other_trials_than_the_trigger_is_refused() {
             2,
         ),
     ] {
-        let study = Planted::new();
-        for (file, text) in [
-            ("study.toml", STUDY),
-            ("requirements.toml", REQUIREMENTS),
-            ("vocabulary.toml", &vocabulary),
-            (
-                "ledger.toml",
-                &format!("{LEDGER}tables.{key} = \"{name}\"\n"),
-            ),
-            ("cohort.csv", &cohort("stumbled", 2)),
-            (name, row),
-        ] {
-            study.write(file, text);
-        }
+        let study = with_row(&vocabulary, (name, key, row));
         let said = support::program::corroborate(study.path(), &["run", ".", "--quiet"]);
         assert_eq!(said.code, 2, "{said:?}");
         assert!(said.talk.contains("error[tables-disagree]"), "{said:?}");
@@ -248,20 +254,7 @@ fn rows_that_fit_the_trigger_are_taken() {
             "requirement,covered,passed,failed,undecided\ncaught,68,67,1,1\n",
         ),
     ] {
-        let study = Planted::new();
-        for (file, text) in [
-            ("study.toml", STUDY),
-            ("requirements.toml", REQUIREMENTS),
-            ("vocabulary.toml", &vocabulary),
-            (
-                "ledger.toml",
-                &format!("{LEDGER}tables.{key} = \"{name}\"\n"),
-            ),
-            ("cohort.csv", &cohort("stumbled", 2)),
-            (name, row),
-        ] {
-            study.write(file, text);
-        }
+        let study = with_row(&vocabulary, (name, key, row));
         study.run();
     }
 }

@@ -14,14 +14,12 @@
 //! recordings, none is among `k` drawn with a probability of at most `(1 - k/n)^f`.
 
 use super::driver::Campaigning;
-use super::one::{Bench, recorder};
+use super::one::Bench;
 use super::record::EpisodeRecord;
-use super::tally::monitors;
 use super::{in_order, judged_by};
 use crate::technique::simulation::Seeds;
 use diagnostic::Problem;
 use host::Host;
-use judging::Judges;
 use judging::forms::differences::{forms_of, judges};
 use rig::Rig;
 use std::collections::BTreeSet;
@@ -127,23 +125,10 @@ fn drawn(records: u64, id: &str, sampled: Sampled) -> Vec<u64> {
 }
 
 impl Campaigning<'_> {
-    fn bench<'b>(&'b self, main: Judges<'b>, of_forms: Judges<'b>) -> Result<Bench<'b>, Problem> {
-        Ok(Bench {
-            plan: self,
-            recorder: recorder(self.rig, self.interrupt)?,
-            monitors: monitors(&main),
-            main,
-            of_forms,
-        })
-    }
-
     /// Holds the verdicts on kept recordings against the records.
     fn judged_again(&self, records: &[EpisodeRecord], found: &mut Again) -> Result<(), Problem> {
         let forms = forms_of(self.study);
-        let bench = self.bench(
-            Judges::new(self.study, |_| true)?,
-            judges(self.study, &forms)?,
-        )?;
+        let bench = Bench::new(self, judges(self.study, &forms)?)?;
         let work = |(): &mut (), place: u64| {
             self.go_on()?;
             let record = &records[place as usize];
@@ -183,10 +168,7 @@ impl Campaigning<'_> {
         found: &mut Again,
     ) -> Result<(), Problem> {
         let forms = forms_of(self.study);
-        let bench = self.bench(
-            Judges::new(self.study, |_| true)?,
-            judges(self.study, &forms)?,
-        )?;
+        let bench = Bench::new(self, judges(self.study, &forms)?)?;
         bench.recorder.prepare(self.folder)?;
         let work = |(): &mut (), place: u64| {
             self.go_on()?;

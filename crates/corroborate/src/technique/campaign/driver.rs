@@ -2,10 +2,10 @@
 
 use super::failing::stopped_by;
 use super::mishaps::Mishaps;
-use super::one::{Bench, Effort, recorder};
+use super::one::{Bench, Effort};
 use super::ordered::in_order;
 use super::record::{EpisodeRecord, Journal};
-use super::tally::{Intervals, Tally, monitors};
+use super::tally::{Intervals, Tally};
 use super::took;
 use super::until::Until;
 use super::{estimates, table};
@@ -13,7 +13,6 @@ use crate::technique::simulation::Seeds;
 use diagnostic::Problem;
 use evidence::{Cost, FailureKind, FormDifference};
 use host::{Cancel, Stage};
-use judging::Judges;
 use judging::forms::differences::{DifferenceTally, forms_of, judges};
 use rig::Rig;
 use std::collections::BTreeMap;
@@ -76,16 +75,8 @@ impl Campaigning<'_> {
     /// Runs it.
     pub fn run(&self) -> Result<Finished, Problem> {
         let began = Instant::now();
-        let main = Judges::new(self.study, |_| true)?;
         let forms = forms_of(self.study);
-        let of_forms = judges(self.study, &forms)?;
-        let bench = Bench {
-            plan: self,
-            recorder: recorder(self.rig, self.interrupt)?,
-            monitors: monitors(&main),
-            main,
-            of_forms,
-        };
+        let bench = Bench::new(self, judges(self.study, &forms)?)?;
         bench.recorder.prepare(self.folder)?;
         let mut journal = Journal::open(self.folder, self.numbers.start, &self.judged_by)?;
         let mut count = Count::new(self, &bench);

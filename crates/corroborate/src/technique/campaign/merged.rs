@@ -16,12 +16,10 @@
 
 use super::driver::{Campaigning, Count, hash_of_recording};
 use super::failing::words_of;
-use super::one::{Bench, Effort, recorder};
+use super::one::{Bench, Effort};
 use super::record::{EpisodeRecord, Journal};
-use super::tally::monitors;
 use super::took;
 use diagnostic::Problem;
-use judging::Judges;
 use judging::forms::differences::{forms_of, judges};
 use rig::OutsideCommand;
 use std::ops::Range;
@@ -64,16 +62,8 @@ impl Campaigning<'_> {
     /// # Errors
     /// `shards-differ`, `other-seed`, `other-recording`, and what cannot be read or written.
     pub fn take_over(&self, folders: &[PathBuf], wall_secs: f64) -> Result<TakenOver, Problem> {
-        let main = Judges::new(self.study, |_| true)?;
         let forms = forms_of(self.study);
-        let of_forms = judges(self.study, &forms)?;
-        let bench = Bench {
-            plan: self,
-            recorder: recorder(self.rig, self.interrupt)?,
-            monitors: monitors(&main),
-            main,
-            of_forms,
-        };
+        let bench = Bench::new(self, judges(self.study, &forms)?)?;
         let shards = self.shards(folders)?;
         let mut journal = Journal::open(self.folder, self.numbers.start, &self.judged_by)?;
         let mut count = Count::new(self, &bench);

@@ -4,7 +4,7 @@ use super::driver::Campaigning;
 use super::failing::EpisodeFailure;
 use super::left::LeftEpisodes;
 use super::record::{EpisodeRecord, Judged};
-use super::tally::Monitored;
+use super::tally::{Monitored, monitors};
 use super::watched::WatchedEpisodes;
 use diagnostic::Problem;
 use evidence::FailureKind;
@@ -38,10 +38,7 @@ pub(super) trait Recorder: Sync {
 }
 
 /// The recorder of a rig.
-pub(super) fn recorder<'a>(
-    rig: &'a dyn Rig,
-    interrupt: &Cancel,
-) -> Result<Box<dyn Recorder + 'a>, Problem> {
+fn recorder<'a>(rig: &'a dyn Rig, interrupt: &Cancel) -> Result<Box<dyn Recorder + 'a>, Problem> {
     Ok(match rig.leaves() {
         Some(command) => Box::new(LeftEpisodes { command }),
         None => Box::new(WatchedEpisodes {
@@ -77,6 +74,18 @@ pub(super) struct Shown {
 }
 
 impl<'a> Bench<'a> {
+    /// The bench of a campaign, whose forms `of_forms` judge.
+    pub(super) fn new(plan: &'a Campaigning<'a>, of_forms: Judges<'a>) -> Result<Self, Problem> {
+        let main = Judges::new(plan.study, |_| true)?;
+        Ok(Self {
+            plan,
+            recorder: recorder(plan.rig, plan.interrupt)?,
+            monitors: monitors(&main),
+            main,
+            of_forms,
+        })
+    }
+
     /// Runs and judges an episode, unless it was recorded before.
     pub(super) fn episode(&self, number: u64) -> Result<(EpisodeRecord, Effort), Problem> {
         let began = used_secs();
