@@ -203,6 +203,7 @@ fn measure(question: &Question, answers: Option<Vec<MethodAnswer>>) -> Measure {
         },
         None if question.property.is_some() => Measure::NotCovered {
             reason: "In the model, the opportunity has probability 0.".into(),
+            constant: None,
         },
         None => Measure::NotExpressible {
             reason: "The model does not express it.".into(),

@@ -276,6 +276,7 @@ pub(crate) fn finding(
     let measure = if sample.trials == 0 {
         Measure::NotCovered {
             reason: "No run met its precondition.".into(),
+            constant: None,
         }
     } else {
         Measure::of_counts(sample, None, level).map_err(|error| error.to_string())?

@@ -405,6 +405,7 @@ mod tests {
     fn what_never_came_names_how_often_it_could_have() {
         let never = Measure::NotCovered {
             reason: String::new(),
+            constant: None,
         };
         let found = finding(never, Denominator::Triggered, Some(counts(0, 960)));
         assert_eq!(

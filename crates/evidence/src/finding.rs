@@ -241,6 +241,9 @@ pub enum Measure {
     NotCovered {
         /// Why, as far as known.
         reason: String,
+        /// The one truth value that what is asked of a model has on all of its runs, whatever its commands do.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        constant: Option<bool>,
     },
 }
 

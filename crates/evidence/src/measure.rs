@@ -358,6 +358,20 @@ pub enum Worst {
 }
 
 impl MethodAnswer {
+    /// A value of a model that was solved with a change, of whose error nothing is said.
+    #[must_use]
+    pub fn plain(value: f64) -> Self {
+        Self {
+            method: "plain".into(),
+            value,
+            complement: None,
+            guarantee: Guarantee::Estimated {
+                reason: "solved plainly, with a change".into(),
+            },
+            iterations: None,
+        }
+    }
+
     /// Bounds of the probability that hold for certain; `None` where there are none.
     pub fn bounds(&self) -> Option<Interval> {
         match &self.guarantee {

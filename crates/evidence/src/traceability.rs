@@ -123,7 +123,7 @@ fn gap(finding: &Finding) -> String {
     use crate::Measure;
     let missing = match &finding.measure {
         Measure::NotExpressible { reason } => format!("not expressible: {reason}"),
-        Measure::NotCovered { reason } => format!("never observed: {reason}"),
+        Measure::NotCovered { reason, .. } => format!("never observed: {reason}"),
         Measure::Counts { trials: 0, .. } => "never observed".into(),
         Measure::Counts { .. } | Measure::Probability { .. } => String::new(),
     };

@@ -361,7 +361,9 @@ fn guarantee(measure: &Measure) -> Option<&'static str> {
 fn why_none(measure: &Measure) -> Option<String> {
     match measure {
         Measure::Counts { .. } | Measure::Probability { .. } => None,
-        Measure::NotExpressible { reason } | Measure::NotCovered { reason } => Some(reason.clone()),
+        Measure::NotExpressible { reason } | Measure::NotCovered { reason, .. } => {
+            Some(reason.clone())
+        }
     }
 }
 

@@ -111,8 +111,14 @@ impl Ground<'_> {
             let value = value_of(before, subject);
             let is_kept = |value: f64| {
                 let kept = own.finding(subject).map(|finding| &finding.measure);
-                matches!(kept, Some(Measure::Probability { answer, .. })
-                    if (answer.value - value).abs() < SAME_ANSWER)
+                match kept {
+                    Some(Measure::Probability { answer, .. }) => {
+                        (answer.value - value).abs() < SAME_ANSWER
+                    }
+                    // What says nothing of the system as it is may say something with another beginning.
+                    Some(Measure::NotCovered { constant, .. }) => constant.is_some(),
+                    _ => false,
+                }
             };
             value.is_some_and(is_kept)
                 && self.is_own(subject)
@@ -213,6 +219,14 @@ impl Ground<'_> {
         values.iter().filter_map(of_subject).sum()
     }
 
+    /// Whether a value gives the rates that were counted as they are, not only within the margin: what has no free number, and is
+    /// right, does.
+    #[must_use]
+    pub fn is_near(&self, own: &Evidence, subject: &Subject, value: f64) -> bool {
+        let nearer = self.signed(own, subject, value, NEARER);
+        nearer.is_none_or(|it| it <= 0.0) && self.gives_the_counts(own, (subject, value), UNLIKELY)
+    }
+
     fn balance(&self, own: &Evidence, before: &Values, after: &Values) -> Option<Balance> {
         let (mut gone, mut come, mut agreement) = (0.0, 0.0, 0.0);
         let mut is_near = true;
@@ -239,9 +253,7 @@ impl Ground<'_> {
             if was > STRONG && is <= STRONG {
                 gone += was - is.max(0.0);
                 agreement += (-is).max(0.0);
-                let nearer = self.signed(own, subject, value, NEARER);
-                is_near &= nearer.is_none_or(|it| it <= 0.0)
-                    && self.gives_the_counts(own, (subject, value), UNLIKELY);
+                is_near &= self.is_near(own, subject, value);
                 subjects.push((was, subject.clone()));
             }
         }

@@ -290,7 +290,7 @@ pub fn spoken(evidence: &str, measure: &Measure) -> String {
             )
         }
         Measure::NotExpressible { reason } => format!("{evidence}: not expressible, {reason}"),
-        Measure::NotCovered { reason } => format!("{evidence}: not covered, {reason}"),
+        Measure::NotCovered { reason, .. } => format!("{evidence}: not covered, {reason}"),
     }
 }
 

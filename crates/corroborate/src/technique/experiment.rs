@@ -785,5 +785,6 @@ fn known_subject(
 fn not_covered(reason: &str) -> Measure {
     Measure::NotCovered {
         reason: reason.into(),
+        constant: None,
     }
 }

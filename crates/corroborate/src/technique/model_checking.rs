@@ -92,11 +92,14 @@ const NO_EVIDENCE: &str = "so the model is not evidence about it; if it should b
 /// The findings on which a model says nothing, as what its property says holds whatever it does: a line for each.
 pub fn said_of_nothing(produced: &Produced) -> Vec<String> {
     let lines = produced.findings.iter().filter_map(|finding| {
-        let Measure::NotCovered { reason } = &finding.measure else {
+        let Measure::NotCovered {
+            reason,
+            constant: Some(_),
+        } = &finding.measure
+        else {
             return None;
         };
-        let said = reason.contains(NO_EVIDENCE);
-        said.then(|| format!("{}: {reason}", finding.subject.in_words()))
+        Some(format!("{}: {reason}", finding.subject.in_words()))
     });
     lines.collect()
 }
@@ -258,6 +261,7 @@ impl<'a> Compiled<'a> {
                 reason: format!(
                     "Its property is {truth} of each run that counts, whatever the model's commands do, {NO_EVIDENCE}."
                 ),
+                constant: Some(truth),
             },
             denominator: Denominator::default(),
             trigger: None,
@@ -352,6 +356,7 @@ impl<'a> Compiled<'a> {
                     measure: match question.is_outside {
                         true => Measure::NotCovered {
                             reason: reason.clone(),
+                            constant: None,
                         },
                         false => Measure::NotExpressible {
                             reason: reason.clone(),

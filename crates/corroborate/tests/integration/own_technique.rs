@@ -90,6 +90,7 @@ impl<'a> Tosses<'a> {
             false => counts(self.heads, self.tosses, None, level)?,
             true => Measure::NotCovered {
                 reason: "The coin is bent.".into(),
+                constant: None,
             },
         };
         Ok(Produced {

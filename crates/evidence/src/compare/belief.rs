@@ -226,7 +226,7 @@ impl Belief {
                 answer, credible, ..
             } => computed(answer, credible.as_ref()),
             Measure::NotExpressible { reason } => Err(format!("cannot express it. {reason}")),
-            Measure::NotCovered { reason } => Err(format!("never covered it. {reason}")),
+            Measure::NotCovered { reason, .. } => Err(format!("never covered it. {reason}")),
         }
     }
 

@@ -316,6 +316,7 @@ mod tests {
             subject: Subject::Requirement("1".into()),
             measure: Measure::NotCovered {
                 reason: String::new(),
+                constant: None,
             },
             denominator,
             trigger: trigger.map(Box::new),

@@ -147,7 +147,13 @@ mod tests {
         let findings = [
             finding("1a", counted.clone()),
             finding("2", counted),
-            finding("3", Measure::NotCovered { reason: reason() }),
+            finding(
+                "3",
+                Measure::NotCovered {
+                    reason: reason(),
+                    constant: None,
+                },
+            ),
             finding("4", Measure::NotExpressible { reason: reason() }),
         ];
         let judged = alone(

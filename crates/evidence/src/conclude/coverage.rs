@@ -94,7 +94,7 @@ fn same_kind(one: &Subject, other: &Subject) -> bool {
 fn why_no_number(finding: &Finding) -> Option<String> {
     match &finding.measure {
         Measure::NotExpressible { reason } => Some(format!("cannot express it. {reason}")),
-        Measure::NotCovered { reason } => Some(format!("never covered it. {reason}")),
+        Measure::NotCovered { reason, .. } => Some(format!("never covered it. {reason}")),
         Measure::Counts { trials: 0, .. } => Some("never covered it".to_owned()),
         Measure::Counts { .. } | Measure::Probability { .. } => None,
     }

@@ -231,7 +231,7 @@ fn silence(finding: &Finding) -> ExclusionReason {
     }
     match &finding.measure {
         Measure::NotExpressible { reason } => ExclusionReason::NotExpressible(reason.clone()),
-        Measure::NotCovered { reason } => ExclusionReason::NotCovered(reason.clone()),
+        Measure::NotCovered { reason, .. } => ExclusionReason::NotCovered(reason.clone()),
         Measure::Counts { trials: 0, .. } => ExclusionReason::NotCovered(String::new()),
         Measure::Probability { .. } => ExclusionReason::NoNumber("its error is unknown".to_owned()),
         Measure::Counts { .. } => {

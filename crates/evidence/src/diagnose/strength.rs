@@ -162,6 +162,17 @@ impl Rate {
         }
     }
 
+    /// The same, and of a model whose property has one truth value whatever its commands do, that value: no evidence of how the
+    /// system behaves, but what the model would say if that were meant.
+    pub fn asked(piece: &Evidence, subject: &Subject) -> Option<Self> {
+        let constant = match &piece.finding(subject)?.measure {
+            Measure::NotCovered { constant, .. } => *constant,
+            _ => None,
+        };
+        let value = constant.map(|truth| Self::Computed(if truth { 1.0 } else { 0.0 }));
+        value.or_else(|| Self::on(piece, subject))
+    }
+
     /// What a model says that computes this value; a failure mode with the value 0 is excluded by it.
     #[must_use]
     pub fn claimed(value: f64, subject: &Subject) -> Self {

@@ -206,6 +206,17 @@ pub enum Symptom {
         /// Of how many.
         paths: u64,
     },
+    /// A property has one truth value on all runs of a model, whatever its commands do, where others counted both.
+    SaysNothing {
+        /// Of what.
+        subject: Subject,
+        /// The model's evidence.
+        evidence: String,
+        /// The truth value.
+        truth: bool,
+        /// The evidence that counted both: identifier, count, trials.
+        other: (String, u64, u64),
+    },
     /// The same episodes come out otherwise with a shorter step or in another engine.
     RunsOtherwise {
         /// Of what.

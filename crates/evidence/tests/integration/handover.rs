@@ -182,6 +182,7 @@ fn subjects_of_the_cohort() -> f64 {
 fn experiments() -> Evidence {
     let not_covered = Measure::NotCovered {
         reason: "The person was always ready".to_owned(),
+        constant: None,
     };
     piece(
         "E3",

@@ -46,7 +46,7 @@ pub fn figures(measure: &Measure) -> String {
             )
         }
         Measure::NotExpressible { reason } => format!("not expressible: {reason}"),
-        Measure::NotCovered { reason } => format!("never covered: {reason}"),
+        Measure::NotCovered { reason, .. } => format!("never covered: {reason}"),
         Measure::Counts { .. } => "never covered".to_owned(),
     }
 }

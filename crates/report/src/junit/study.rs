@@ -159,7 +159,7 @@ fn guarantee(measure: &Measure, confidence: f64) -> String {
             format!("statistical: two-sided at {}", number::level(confidence))
         }
         Measure::Probability { answer, .. } => number::guarantee(&answer.guarantee),
-        Measure::NotExpressible { reason } | Measure::NotCovered { reason } => reason.clone(),
+        Measure::NotExpressible { reason } | Measure::NotCovered { reason, .. } => reason.clone(),
     }
 }
 

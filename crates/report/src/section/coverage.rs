@@ -88,7 +88,7 @@ fn cell(view: View, evidence: &Evidence, subject: &Subject) -> Markup {
     match finding.map(|f| (&f.measure, f.undecided)) {
         None => absent("·", "not asked", ""),
         Some((Measure::NotExpressible { reason }, _)) => absent("⊘", "not expressible", reason),
-        Some((Measure::NotCovered { reason }, _)) => absent("○", "never covered", reason),
+        Some((Measure::NotCovered { reason, .. }, _)) => absent("○", "never covered", reason),
         Some((Measure::Counts { trials: 0, .. }, _)) => absent("○", "never covered", ""),
         Some((Measure::Counts { trials, .. }, undecided)) => html! {
             td class="n" {

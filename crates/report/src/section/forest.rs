@@ -155,7 +155,7 @@ pub fn row(
 fn absence(measure: &Measure) -> Option<(&'static str, &str)> {
     match measure {
         Measure::NotExpressible { reason } => Some(("⊘ not expressible", reason)),
-        Measure::NotCovered { reason } => Some(("○ not covered", reason)),
+        Measure::NotCovered { reason, .. } => Some(("○ not covered", reason)),
         Measure::Counts { trials: 0, .. } => {
             Some(("○ not covered", "No run met the precondition."))
         }

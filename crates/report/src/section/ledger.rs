@@ -286,7 +286,7 @@ fn measure_detail(measure: &Measure) -> Markup {
                     @if let Some(robust) = &credible.robust { (robust_bounds(robust)) }
                 }
             },
-            Measure::NotExpressible { reason } | Measure::NotCovered { reason } => p { (reason) },
+            Measure::NotExpressible { reason } | Measure::NotCovered { reason, .. } => p { (reason) },
         }
     }
 }

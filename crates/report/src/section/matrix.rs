@@ -109,7 +109,7 @@ fn detail(measure: &Measure) -> Markup {
                 p { b { (number::answer(answer)) } }
                 p class="counts" { (number::guarantee(&answer.guarantee)) }
             },
-            Measure::NotExpressible { reason } | Measure::NotCovered { reason } => {
+            Measure::NotExpressible { reason } | Measure::NotCovered { reason, .. } => {
                 p class="reason" { (reason) }
             },
         }

@@ -296,6 +296,7 @@ impl Tally {
                     "In none of {} runs was its precondition met{reached}.",
                     self.runs
                 ),
+                constant: None,
             });
         };
         counted(study, sample, intervals)

@@ -15,6 +15,7 @@
 //! | a comparison in a `trace` binding is the other way round | nothing but that it can be |
 //! | a clause of a `trace` or `model` binding is negated, joined or compared otherwise, or left out (`clauses`) | nothing but that it can be |
 //! | a hand-written `property` or `formula` is negated or joined otherwise (`formulas`) | nothing but that it can be |
+//! | a hand-written `property`, `trigger` or `opportunity` names another proposition (`names`) | the subject's own words have its name, or nothing but that it can be |
 //! | the property of a failure mode says that a proposition comes about (`formulas`) | its other forms name it |
 //! | a `model` binding has a further case | a state that the model comes to and no proposition names |
 //! | a signal in a `trace` binding is another | a signal of topics.toml that no proposition reads, and that the same can be said of |
@@ -41,6 +42,7 @@
 pub(super) mod clauses;
 mod formulas;
 pub(super) mod limits;
+mod names;
 mod phrases;
 mod quantities;
 pub(super) mod scales;
@@ -67,7 +69,7 @@ pub(super) enum Reach {
     Tables,
     /// How runs are judged.
     Runs,
-    /// How runs are judged, and what formal models answer.
+    /// How runs are judged, what formal models answer, and what tables count.
     All,
 }
 
@@ -175,6 +177,7 @@ pub(super) fn candidates(
     found.extend(quantities::in_bindings(study, disagrees));
     found.extend(quantities::parameters(study, disagrees));
     found.extend(formulas::of_forms(study, disagrees));
+    found.extend(names::of_forms(study, disagrees));
     found.extend(sentences::of_requirements(study, disagrees));
     found.extend(phrases::of_requirements(study, disagrees));
     found.extend(times::of_step(study));

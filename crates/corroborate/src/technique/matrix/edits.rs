@@ -29,6 +29,8 @@
 //!   unit in a field's name), [`FREE`], shared among all that are free for one place, if only a place
 //!   is free for it (a column or a state that no proposition names);
 //! * [`explained::PLAIN`], if the pieces that it changes are then each the same in all their runs, and nothing says it;
+//! * less [`refinement::FREE_VALUE`], if a model gives what it explains within the margin alone, and not as it was counted
+//!   ([`refinement::Ground::is_near`]), unless something says the value;
 //! * [`explained::WAS_PLAIN`], if they are the same in all their runs now and are not then: a reading that judges all runs alike is
 //!   wrong more often than a system that never or always fails;
 //! * less the decades of the number of edits that were tried and change how any two pieces agree: the others say the same as
@@ -52,13 +54,14 @@
 
 mod explained;
 mod kept;
+mod rivals;
 pub(crate) mod scratch;
 mod solved;
 
 use super::candidates::{Reach, TextEdit, candidates, limits};
-use super::gates::OfTree;
-use super::lines::{OfModel, OfModels};
+use super::lines::OfModels;
 use super::{Diagnosing, Gathered};
+use crate::refine::proposal::ground;
 use crate::technique::experiment::Tables;
 use crate::technique::kinds::{Asked, TreeChange, tree_values};
 use crate::technique::model_checking::Compiled;
@@ -66,14 +69,15 @@ use crate::technique::operation::only_violations;
 use crate::technique::simulation;
 use diagnostic::Problem;
 use evidence::{
-    Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
-    SuspectKind, Symptom, changed_places, put_right, signed_strength,
+    Clue, Evidence, Figure, Finding, Inaccuracy, Measure, MethodAnswer, Rate, STRONG, Subject,
+    SuspectAsset, SuspectKind, Symptom, signed_strength,
 };
-use explained::{Explained, PLAIN, WAS_PLAIN, balance, drop_limits_that_play_no_part, explained};
+use explained::{Explained, PLAIN, WAS_PLAIN, drop_limits_that_play_no_part, explained};
 use host::{Events, Host};
 use judging::Judges;
 use judging::recording::ReadingRules;
 use rayon::prelude::*;
+use refinement::FREE_VALUE;
 use scratch::Scratch;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -184,7 +188,7 @@ impl Diagnosing<'_> {
         let exchange = self.exchange(&before);
         let rival = exchange.into_iter().chain(self.numbers(offered, &before));
         let rival = rival.max_by(f64::total_cmp);
-        self.named(gathered, found, rival, [tried, telling]);
+        self.named(gathered, found, rival, ([tried, telling], &all));
         Ok(())
     }
 
@@ -248,14 +252,36 @@ impl Diagnosing<'_> {
         let explained = explained.filter(|it| is_said || !it.is_constant(&evidence));
         let explained = explained.map(|it| Explained {
             hides: self.hidden_by(&evidence, &it.pairs),
-            prior: match !is_said && it.is_plain(&self.result.evidence, &evidence) {
-                true => PLAIN,
-                false if it.was_plain(&self.result.evidence, &evidence) => WAS_PLAIN,
-                false => 0.0,
-            },
+            prior: self.off(&it, &evidence)
+                + match !is_said && it.is_plain(&self.result.evidence, &evidence) {
+                    true => PLAIN,
+                    false if it.was_plain(&self.result.evidence, &evidence) => WAS_PLAIN,
+                    false => 0.0,
+                },
             ..it
         });
         Ok(Some((is_telling, explained)))
+    }
+
+    /// What counts against an edit with which a model gives what it explains within the margin alone, and not as it was counted:
+    /// as against any change without a free number.
+    fn off(&self, found: &Explained, evidence: &[Evidence]) -> f64 {
+        if found.edit.reach != Reach::Models || found.edit.is_said {
+            return 0.0;
+        }
+        let ground = ground(self.study, self.result);
+        let mut subjects = found.pairs.keys().map(|(.., subject)| subject);
+        let is_off = subjects.any(|subject| {
+            let mut models = evidence.iter().filter(|it| it.technique.is_of_model());
+            models.any(|piece| {
+                let is = Rate::asked(piece, subject);
+                let was = self.result.evidence.iter().find(|it| it.id == piece.id);
+                let is_moved = was.is_none_or(|was| Rate::asked(was, subject) != is);
+                let value = is.filter(|_| is_moved).and_then(Rate::computed);
+                value.is_some_and(|value| !ground.is_near(piece, subject, value))
+            })
+        });
+        if is_off { -FREE_VALUE } else { 0.0 }
     }
 
     /// Pieces whose runs cannot be judged again, since none is kept.
@@ -322,14 +348,14 @@ impl Diagnosing<'_> {
         gathered: &mut Gathered,
         mut found: Vec<Explained>,
         rival: Option<f64>,
-        [tried, telling]: [u32; 2],
+        ([tried, telling], all): ([u32; 2], &[TextEdit]),
     ) {
         gathered.in_order.push(format!(
             "{tried} single edits of vocabulary, forms and units were tried on all evidence; {telling} change how pieces agree, {} explain \
              what disagrees",
             found.len()
         ));
-        drop_limits_that_play_no_part(&mut found);
+        drop_limits_that_play_no_part(&mut found, all);
         for place in 0..found.len() {
             let edit = &found[place].edit;
             let same = found.iter().filter(|it| it.edit.is_of_place(edit));
@@ -354,73 +380,6 @@ impl Diagnosing<'_> {
         }
     }
 
-    /// What is explained, as by an edit, if one number of a formal model has another value, or a branch of it or a gate of a
-    /// fault tree is another; the most of all these. What counts against each is its [`refinement::ModelChange::cost`].
-    fn numbers(&self, offered: &OfModels, before: &Pairs) -> Option<f64> {
-        let weight = |model: &OfModel, then: &Values| {
-            let mut after = self.result.evidence.clone();
-            let piece = after.iter_mut().find(|it| it.id == model.evidence)?;
-            for new in answers(Some(&model.before), then, &piece.findings) {
-                let old = piece.findings.iter_mut();
-                if let Some(old) = old.into_iter().find(|old| old.subject == new.subject) {
-                    *old = new;
-                }
-            }
-            let after = self.disagreements(&after);
-            Some(balance(before, &after, &|_| true)?.weight())
-        };
-        let all = offered.models.iter();
-        let of_models = all.flat_map(|model| {
-            let answers = model.answers();
-            answers.filter_map(move |(then, cost)| Some(weight(model, then)? - cost))
-        });
-        let of_trees = offered.trees.iter().filter_map(OfTree::weight);
-        of_models.chain(of_trees).max_by(f64::total_cmp)
-    }
-
-    /// What is explained, as by an edit, if what a table has the wrong way round is exchanged, or two pieces that changed
-    /// places are put back; the most of all.
-    fn exchange(&self, before: &Pairs) -> Option<f64> {
-        let margin = |subject: &Subject| self.margin(subject);
-        let all = &self.result.evidence;
-        let weight = |piece: &Evidence| {
-            let (exchanged, odds) = put_right(all, piece, &margin)?;
-            let after: Vec<Evidence> = all
-                .iter()
-                .map(|it| match it.id == piece.id {
-                    true => exchanged.clone(),
-                    false => it.clone(),
-                })
-                .collect();
-            let after = self.disagreements(&after);
-            let balance = balance(before, &after, &|_| true)?;
-            Some(balance.weight() + odds.map_or(0.0, |odds| odds.min(0.0)))
-        };
-        let moved = |piece: &Evidence| {
-            let other = changed_places(all, piece, &margin)?;
-            let of = |it: &Evidence| match &it.id {
-                id if *id == piece.id => other.findings.clone(),
-                id if *id == other.id => piece.findings.clone(),
-                _ => it.findings.clone(),
-            };
-            let after: Vec<Evidence> = all
-                .iter()
-                .map(|it| Evidence {
-                    findings: of(it),
-                    ..it.clone()
-                })
-                .collect();
-            Some(balance(before, &self.disagreements(&after), &|_| true)?.weight())
-        };
-        let found = all.iter().filter_map(|piece| {
-            weight(piece)
-                .into_iter()
-                .chain(moved(piece))
-                .max_by(f64::total_cmp)
-        });
-        found.max_by(f64::total_cmp)
-    }
-
     /// How strongly the pieces that speak for themselves disagree, pair by pair.
     pub(super) fn disagreements(&self, evidence: &[Evidence]) -> Pairs {
         let speaks = |piece: &&Evidence| {
@@ -438,7 +397,7 @@ impl Diagnosing<'_> {
             for other in others.filter(comparable) {
                 for finding in &one.findings {
                     let subject = &finding.subject;
-                    let rates = (Rate::on(one, subject), Rate::on(other, subject));
+                    let rates = (Rate::asked(one, subject), Rate::asked(other, subject));
                     let apart = match rates {
                         (Some(a), Some(b)) => Some(signed_strength(a, b, self.margin(subject))),
                         _ => self.never_triggered([one, other], subject),
@@ -472,11 +431,12 @@ impl Diagnosing<'_> {
                     answers(now.get(model), &then, &piece.findings)
                 }
                 (Reach::Models, None) => continue,
-                (Reach::Tables, _) => {
+                (Reach::Tables | Reach::All, _) if work.tables().is_some() => {
                     let Some(files) = work.tables() else { continue };
                     let tables = Tables::read(study, files)?;
                     tables.produce(study, id, work.technique())?.findings
                 }
+                (Reach::Tables, _) => continue,
                 (Reach::Runs, _) | (Reach::All, None) => {
                     let Some(folder) = self.runs_of(entry) else {
                         continue;
@@ -717,17 +677,29 @@ fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
 /// A model's findings with other answers; what it did not answer by its plain values before stays as it is.
 fn answers(now: Option<&Values>, then: &Values, known: &[Finding]) -> Vec<Finding> {
     let changed = known.iter().filter_map(|finding| {
-        let Measure::Probability { answer, .. } = &finding.measure else {
-            return None;
+        let answered = match &finding.measure {
+            Measure::Probability { answer, .. } => answer.value,
+            Measure::NotCovered {
+                constant: Some(truth),
+                ..
+            } => f64::from(u8::from(*truth)),
+            _ => return None,
         };
         let now = now?.get(&finding.subject).copied().flatten()?;
         let then = then.get(&finding.subject).copied().flatten()?;
-        if (now - answer.value).abs() > SAME {
+        if (now - answered).abs() > SAME {
             return None;
         }
         let mut finding = finding.clone();
-        if let Measure::Probability { answer, .. } = &mut finding.measure {
-            answer.value = then;
+        match &mut finding.measure {
+            Measure::Probability { answer, .. } => answer.value = then,
+            constant => {
+                *constant = Measure::Probability {
+                    answer: MethodAnswer::plain(then),
+                    others: Vec::new(),
+                    credible: None,
+                }
+            }
         }
         Some(finding)
     });

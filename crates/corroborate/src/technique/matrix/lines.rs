@@ -31,6 +31,17 @@ pub(super) struct OfModels {
     pub(super) trees: Vec<OfTree>,
 }
 
+impl OfModels {
+    /// Whether a harmless change of the model of a piece explains what disagrees on a subject.
+    pub(super) fn explain(&self, evidence: &str, subject: &Subject) -> bool {
+        let own = self.models.iter().filter(|it| it.evidence == evidence);
+        let mut tried = own.flat_map(|it| &it.changes);
+        tried.any(|(.., trial)| {
+            !trial.is_harmful() && trial.repairs.iter().any(|it| &it.subject == subject)
+        })
+    }
+}
+
 /// What could be changed in one of them.
 pub(super) struct OfModel {
     pub(super) evidence: String,

@@ -8,10 +8,11 @@
 //!
 //! `paths` has A and D, `runs` B, E, C and F from what `run` has judged already; `events` looks for
 //! behaviour that a model does not know, `repeated` runs episodes again, `edits` changes requirement models one
-//! value at a time, `outliers` looks for a person who differs from all others, and `words` names what runs are read through. `evidence` ranks.
+//! value at a time, `constants` names properties that say nothing, `outliers` looks for a person who differs from all others, and `words` names what runs are read through. `evidence` ranks.
 
 mod candidates;
 mod cells;
+mod constants;
 pub(crate) mod edits;
 mod events;
 mod excess;
@@ -84,6 +85,7 @@ pub fn diagnose(
     diagnosing.repeated(&mut gathered)?;
     let offered = diagnosing.offered(&mut gathered)?;
     diagnosing.edits(&offered, &mut gathered)?;
+    diagnosing.constants(&offered, &mut gathered);
     diagnosing.outliers(&mut gathered)?;
     gathered.clues.extend(drifts(study));
     diagnosing.drifted_constants(&mut gathered)?;

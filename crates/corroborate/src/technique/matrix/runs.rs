@@ -156,7 +156,7 @@ impl Diagnosing<'_> {
                 let level = confidence(self.study.about.confidence)?;
                 Ok(place.counted((*count, *trials), verdicts, level))
             }
-            Measure::NotExpressible { reason } | Measure::NotCovered { reason } => {
+            Measure::NotExpressible { reason } | Measure::NotCovered { reason, .. } => {
                 Ok(place.empty(reason.clone()))
             }
             Measure::Probability { .. } => Ok(place.empty("it was computed".into())),

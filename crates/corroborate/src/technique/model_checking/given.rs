@@ -365,6 +365,7 @@ impl Question<'_> {
                         trigger,
                         &|text| Ok(answer(0, text)?.value),
                     ),
+                    constant: None,
                 },
                 denominator: Denominator::Triggered,
                 trigger: shown,

@@ -115,6 +115,7 @@ impl Compiled<'_> {
                         names.join(", "),
                         if names.len() == 1 { "is" } else { "are" }
                     ),
+                    constant: None,
                 };
             }
         }

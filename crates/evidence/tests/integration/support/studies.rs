@@ -55,6 +55,7 @@ pub fn any_measure(uniform: &mut Uniform, technique: Technique, rate: f64) -> Me
             match trials {
                 0 => Measure::NotCovered {
                     reason: "It never came up.".into(),
+                    constant: None,
                 },
                 _ => Measure::of_counts(sample, worth, Confidence::P95).expect("a measure"),
             }

@@ -5,7 +5,7 @@
 //! (`within_secs = 5.5`). Both are durations, once study.toml says how long a step takes. What a limit may be instead is
 //! each duration of the requirement's text and sentence and each limit of its other form, and what a slip by a factor makes
 //! of it, the duration of a step among the factors. A limit that the text or the sentence says is not looked at. A limit in
-//! steps of no known duration, a count, may be each number of the text ("within two attempts"), and one more or less. A limit of a
+//! steps of no known duration, a count, may be each number of the text ("within two attempts"), and any other that is at most [`FARTHEST`] away. A limit of a
 //! property may be that of another requirement's property, or a fault tree's mission time: what one study asks about is often
 //! one stretch of time.
 //!
@@ -24,6 +24,9 @@ use trace::units::QuantityValue;
 
 /// Slips of a limit.
 const FACTORS: [f64; 6] = [10.0, 0.1, 60.0, 1.0 / 60.0, 2.0, 0.5];
+
+/// How far a count of steps is moved, as whole numbers of models are.
+const FARTHEST: i32 = 8;
 
 /// Durations that differ by less are the same.
 const SAME_SECS: f64 = 1e-9;
@@ -210,8 +213,10 @@ impl Looked<'_> {
         let is_count = limit.secs.is_none() && limit.number.fract() == 0.0;
         let counts = self.counts.iter().filter(|_| is_count);
         let counts = counts.map(|it| (*it, Some(format!("its text says {it}")), true));
-        let next = [limit.number + 1.0, limit.number - 1.0].into_iter();
-        let next = next.filter(|_| is_count).map(|it| (it, None, false));
+        let next = (1..=FARTHEST).flat_map(|step| [f64::from(step), -f64::from(step)]);
+        let next = next.map(|step| limit.number + step);
+        let next = next.filter(|it| is_count && *it >= 1.0);
+        let next = next.map(|it| (it, None, false));
         let all = said.chain(counts).chain(others).chain(next).chain(slips);
         for (number, hint, is_said) in all {
             let new = self.edit(limit, number, (hint, is_said));

@@ -139,7 +139,7 @@ pub(super) fn words_of(text: &str) -> Vec<(Range<usize>, &str)> {
 }
 
 /// Whether a text in words has a proposition's name, its parts as words; articles do not count.
-fn names(text: &str, proposition: &str) -> bool {
+pub(super) fn names(text: &str, proposition: &str) -> bool {
     let plain = |text: &str| {
         let words = words_of(text).into_iter();
         let words = words.map(|(_, word)| word.to_lowercase());

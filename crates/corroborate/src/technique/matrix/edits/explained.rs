@@ -1,5 +1,6 @@
 //! What an edit, or an exchange, explains: what goes away, what comes up, and its odds. The definition is that of [`super`].
 
+use super::solved::Written;
 use super::{Pairs, SAME, TextEdit};
 use evidence::{Evidence, Rate, STRONG, Subject};
 use std::collections::{BTreeMap, BTreeSet};
@@ -154,20 +155,37 @@ pub(super) fn explained(
     })
 }
 
-/// Takes out other numbers of one place that do the same, unless something says one of them: a duration that may be any, as
-/// long as it is long, explains nothing by its value.
-pub(super) fn drop_limits_that_play_no_part(found: &mut Vec<Explained>) {
+/// Takes out numbers of one place that do the same as another one, if the least or the greatest of all that were tried there is among
+/// these, unless something says one of them: a duration that may be any, as long as it is long, explains nothing by its value.
+/// Two numbers between which a model makes no difference may well be limits.
+pub(super) fn drop_limits_that_play_no_part(found: &mut Vec<Explained>, tried: &[TextEdit]) {
     let plays_no_part = |it: &Explained| {
-        let twin = |other: &&Explained| {
-            let is_alike = (other.agreement - it.agreement).abs() < ALIKE
-                && (other.score - it.score).abs() < ALIKE;
-            other.edit.is_of_place(&it.edit) && other.edit.new != it.edit.new && is_alike
+        let is_of_place = |other: &&Explained| other.edit.is_of_place(&it.edit);
+        let is_alike = |other: &&Explained| {
+            (other.agreement - it.agreement).abs() < ALIKE && (other.score - it.score).abs() < ALIKE
         };
-        !it.edit.is_said && it.edit.is_number() && found.iter().any(|other| twin(&other))
+        let alike: Vec<&TextEdit> = found
+            .iter()
+            .filter(|other| is_of_place(other) && is_alike(other))
+            .map(|other| &other.edit)
+            .collect();
+        let own = tried.iter().filter(|other| other.is_of_place(&it.edit));
+        let solved = found.iter().filter(is_of_place).map(|other| &other.edit);
+        let numbers: Vec<f64> = own.chain(solved).filter_map(number_of).collect();
+        let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+        let greatest = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let is_end =
+            |edit: &&TextEdit| number_of(edit).is_none_or(|it| it <= least || it >= greatest);
+        !it.edit.is_said && it.edit.is_number() && alike.len() > 1 && alike.iter().any(is_end)
     };
     let kept: Vec<bool> = found.iter().map(|it| !plays_no_part(it)).collect();
     let mut kept = kept.into_iter();
     found.retain(|_| kept.next().unwrap_or(true));
+}
+
+/// The number that an edit writes.
+fn number_of(edit: &TextEdit) -> Option<f64> {
+    Written::read(&edit.new).map(|it| it.value)
 }
 
 /// Whether it is the same in all runs.
@@ -194,7 +212,7 @@ fn changed(
 
 fn rate_of(evidence: &[Evidence], id: &str, subject: &Subject) -> Option<Rate> {
     let piece = evidence.iter().find(|piece| piece.id == id)?;
-    Rate::on(piece, subject)
+    Rate::asked(piece, subject)
 }
 
 impl Explained {

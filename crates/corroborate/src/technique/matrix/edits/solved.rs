@@ -48,14 +48,14 @@ const DEVIATIONS: f64 = 2.0;
 const AROUND: f64 = 1.25;
 
 /// A number in a text, with what stands around it: of `<=8 N` it is `<=`, 8 and ` N`.
-struct Written<'t> {
+pub(super) struct Written<'t> {
     before: &'t str,
-    value: f64,
+    pub(super) value: f64,
     behind: &'t str,
 }
 
 impl<'t> Written<'t> {
-    fn read(text: &'t str) -> Option<Self> {
+    pub(super) fn read(text: &'t str) -> Option<Self> {
         let start = text.find(|c: char| c.is_ascii_digit() || c == '-' || c == '.')?;
         let rest = &text[start..];
         let end = rest.find(|c: char| !(c.is_ascii_digit() || "-._".contains(c)));
