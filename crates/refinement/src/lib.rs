@@ -48,4 +48,4 @@ pub use structure::FREE_VALUE;
 pub use text_change::{TextChange, steps};
 pub use trial::{Touch, Trial};
 pub use unreached::{Place, Word};
-pub use unused::Split;
+pub use unused::{Split, SplitBy};

@@ -314,7 +314,11 @@ impl Ground<'_> {
         };
         explaining.retain(|it| !is_known(&it.values));
         let is_structural = enough.iter().any(|(change, _)| {
-            matches!(change, ModelChange::Branchless { .. }) || change.is_of_lacking_branch()
+            let is_branch = matches!(
+                change,
+                ModelChange::Branchless { .. } | ModelChange::Split { .. }
+            );
+            is_branch || change.is_of_lacking_branch()
         });
         let is_checked = explaining.iter().all(|it| it.subjects.len() > 1);
         // As if they cost less.

@@ -1,4 +1,4 @@
-//! A constant that nothing uses: the branch that it was written for is lacking.
+//! A constant that nothing uses, or that is added to another one: the branch that it was written for is lacking.
 //!
 //! # Definition
 //! A probability that is declared and stands nowhere else was written to be used. For each such constant `c`, each update of each
@@ -7,6 +7,10 @@
 //! alone, with all else that the update does, or with a whole number that is declared and stands nowhere else, too. Each is solved and
 //! tried on all evidence ([`crate::structure`]) where the model disagrees strongly with counts. No number is fitted. Of those that explain
 //! as much, what leads to a value that nothing else leads to comes first: one branch accounts for both oddities of the text.
+//!
+//! Likewise where the probability of an update is a sum, as of two branches that were written as one: each term of it in turn is that of
+//! a branch of its own, which leads where those of constants do. Sums are often meant, so that what explains by one has to be strong
+//! evidence beyond the number of places, which is not asked of a constant that nothing uses.
 //!
 //! # Assumes
 //! That the constant has the value that it was meant to have, and that one branch is lacking.
@@ -24,9 +28,9 @@ use crate::model_offers::{Ground, Model, ModelOffers};
 use crate::number::commands;
 use crate::structure::{Rewriting, Tried};
 use crate::unreached::{Lacking, Place, lacking, of_guards};
-use evidence::Subject;
-use prism_lang::ast::{Command, ExprKind, ModuleBody, Type, Update};
-use prism_lang::edit;
+use evidence::{STRONG, Subject};
+use prism_lang::ast::{BinaryOp, Command, Expr, ExprKind, ModuleBody, Type, Update};
+use prism_lang::edit::{self, Edit};
 use prism_lang::resolved::ModelType;
 use std::collections::BTreeSet;
 
@@ -40,14 +44,45 @@ pub struct Split {
     pub command: usize,
     /// Its update, counted from 0; all of them, if none is named.
     pub update: Option<usize>,
-    /// The constant.
-    pub constant: String,
-    /// Whether what is added has the constant as its probability, and not what remains of 1.
-    pub is_of_added: bool,
+    /// Its probability.
+    pub by: SplitBy,
     /// What is done in the added branch, as an update is written.
     pub to: String,
     /// Whether that is a value to which no update leads.
     pub leads_to_lacking: bool,
+}
+
+/// By what an update is divided.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SplitBy {
+    /// The added branch has a constant as its probability.
+    Constant(String),
+    /// What was there keeps a constant, and the added branch has what remains of 1.
+    Rest(String),
+    /// The added branch takes one term of the update's probability, which is a sum.
+    Term {
+        /// Which, counted from 0.
+        place: usize,
+        /// As it is written.
+        written: String,
+    },
+}
+
+impl SplitBy {
+    /// Whether it takes a term of a sum.
+    #[must_use]
+    pub fn is_term(&self) -> bool {
+        matches!(self, Self::Term { .. })
+    }
+
+    /// What was written for the branch.
+    #[must_use]
+    pub fn written_for(&self) -> &str {
+        match self {
+            Self::Constant(name) | Self::Rest(name) => name,
+            Self::Term { written, .. } => written,
+        }
+    }
 }
 
 impl Split {
@@ -64,10 +99,10 @@ impl Split {
     /// The branch that is added.
     #[must_use]
     pub fn written(&self) -> String {
-        let constant = &self.constant;
-        match self.is_of_added {
-            true => format!("{constant} : {}", self.to),
-            false => format!("1-{constant} : {}", self.to),
+        match &self.by {
+            SplitBy::Constant(name) => format!("{name} : {}", self.to),
+            SplitBy::Rest(name) => format!("1-{name} : {}", self.to),
+            SplitBy::Term { written, .. } => format!("{written} : {}", self.to),
         }
     }
 
@@ -76,26 +111,76 @@ impl Split {
         let command = all
             .get(self.command)
             .ok_or("the model has no such command")?;
-        let by = (self.constant.as_str(), self.is_of_added);
-        let edits = match self.update {
-            None => edit::split_command(read.text, command, by, &self.to),
-            Some(update) => {
-                let update = command.updates.get(update);
-                let update = update.ok_or("the command has no such update")?;
-                vec![edit::split_update(read.text, update, by, &self.to)]
-            }
+        let by = match &self.by {
+            SplitBy::Constant(name) => Ok((name.as_str(), true)),
+            SplitBy::Rest(name) => Ok((name.as_str(), false)),
+            SplitBy::Term { place, .. } => Err(*place),
+        };
+        let update = self.update.map(|place| {
+            let update = command.updates.get(place);
+            update.ok_or("the command has no such update")
+        });
+        let edits = match (update.transpose()?, by) {
+            (None, Ok(by)) => edit::split_command(read.text, command, by, &self.to),
+            (Some(update), Ok(by)) => vec![edit::split_update(read.text, update, by, &self.to)],
+            (Some(update), Err(term)) => term_apart(read.text, update, term, &self.to)
+                .ok_or("the update's probability has no such term")?,
+            (None, Err(_)) => return Err("a command has no probability to be divided".into()),
         };
         edit::apply(read.text, &edits).map_err(|e| e.to_string())
     }
 
     fn words(&self, text: &str) -> String {
         let line = self.line(text).unwrap_or_default();
-        format!(
-            "`{}` added in line {line}, for which `{}` was written",
-            self.written(),
-            self.constant
-        )
+        match &self.by {
+            SplitBy::Constant(name) | SplitBy::Rest(name) => format!(
+                "`{}` added in line {line}, for which `{name}` was written",
+                self.written()
+            ),
+            SplitBy::Term { written, .. } => format!(
+                "`{}` as a branch of its own in line {line}, where `{written}` is added to another probability",
+                self.written()
+            ),
+        }
     }
+}
+
+/// The terms of a probability that is a sum; none of what is none.
+fn terms(update: &Update) -> Vec<&Expr> {
+    fn collect<'e>(expr: &'e Expr, found: &mut Vec<&'e Expr>) {
+        match &expr.kind {
+            ExprKind::Binary(BinaryOp::Plus, left, right) => {
+                collect(left, found);
+                collect(right, found);
+            }
+            _ => found.push(expr),
+        }
+    }
+    let mut found = Vec::new();
+    if let Some(probability) = &update.probability {
+        collect(probability, &mut found);
+    }
+    match found.len() {
+        0 | 1 => Vec::new(),
+        _ => found,
+    }
+}
+
+/// The update without one term of its probability, and the branch that has it.
+fn term_apart(text: &str, update: &Update, term: usize, to: &str) -> Option<Vec<Edit>> {
+    let all = terms(update);
+    let written = |it: &Expr| text[it.span.start..it.span.end].to_owned();
+    let own = written(all.get(term)?);
+    let rest: Vec<String> = all
+        .iter()
+        .enumerate()
+        .filter(|(place, _)| *place != term)
+        .map(|(_, it)| written(it))
+        .collect();
+    let colon = all.last()?.span.end;
+    let outcome = text[colon..update.span.end].split_once(':')?.1.trim();
+    let new = format!("{} : {outcome} + {own} : {to}", rest.join("+"));
+    Some(vec![Edit::replace(update.span, new)])
 }
 
 impl Ground<'_> {
@@ -109,6 +194,9 @@ impl Ground<'_> {
             return;
         };
         let constants = unused(&read);
+        let has_sums = commands(&read.tree)
+            .iter()
+            .any(|it| it.updates.iter().any(|update| !terms(update).is_empty()));
         let lacking = self.excluded(own, before);
         let mut subjects = self.in_conflict(own, before);
         for subject in lacking {
@@ -116,24 +204,28 @@ impl Ground<'_> {
                 subjects.push(subject);
             }
         }
-        if constants.is_empty() || subjects.is_empty() {
+        if constants.is_empty() && !has_sums || subjects.is_empty() {
             return;
         }
-        let most = model.affordable(MOST_SPLITS, 1);
-        let tried = splits(model, &read, &constants).into_iter().take(most);
-        let tried = tried.filter_map(|split| {
-            let text = split.make(&read).ok()?;
-            let values = model.solver.values(&text).ok()?;
-            Some(Tried {
-                change: (split, text),
-                kind: 0,
-                values,
-            })
-        });
+        let all = splits(model, &read, &constants);
+        let (of_terms, of_constants): (Vec<Split>, Vec<Split>) =
+            all.into_iter().partition(|it| it.by.is_term());
         // That nothing uses the constant speaks for it, whatever the number of places.
-        let mut explaining = self.explaining_above(f64::NEG_INFINITY, own, before, tried.collect());
-        explaining.sort_by_key(|it| !it.change.0.leads_to_lacking);
-        self.put_first((model, own), before, explaining, found);
+        for (all, least) in [(of_terms, STRONG), (of_constants, f64::NEG_INFINITY)] {
+            let most = model.affordable(MOST_SPLITS, 1);
+            let tried = all.into_iter().take(most).filter_map(|split| {
+                let text = split.make(&read).ok()?;
+                let values = model.solver.values(&text).ok()?;
+                Some(Tried {
+                    change: (split, text),
+                    kind: 0,
+                    values,
+                })
+            });
+            let mut explaining = self.explaining_above(least, own, before, tried.collect());
+            explaining.sort_by_key(|it| !it.change.0.leads_to_lacking);
+            self.put_first((model, own), before, explaining, found);
+        }
     }
 }
 
@@ -147,10 +239,16 @@ impl Rewriting for Split {
     }
 
     fn note(&self, others: usize) -> String {
+        let reason = match &self.by {
+            SplitBy::Constant(name) | SplitBy::Rest(name) => {
+                format!("nothing else of the model uses `{name}`")
+            }
+            SplitBy::Term { written, .. } => {
+                format!("`{written}` stands in the sum already")
+            }
+        };
         format!(
-            "No number was fitted for it: nothing else of the model uses `{}`. {others} other places were tried that change what is \
-             answered.",
-            self.constant
+            "No number was fitted for it: {reason}. {others} other places were tried that change what is answered."
         )
     }
 
@@ -306,18 +404,24 @@ fn of_command(
             Target::Outcome(outcome) => vec![(2, outcome.clone())],
         });
         for (rank, to) in made.filter(|(_, to)| own.as_ref() != Some(to)) {
-            for constant in constants {
-                for is_of_added in [false, true] {
-                    let split = Split {
-                        command,
-                        update: place,
-                        constant: constant.clone(),
-                        is_of_added,
-                        to: to.clone(),
-                        leads_to_lacking: rank == 0,
-                    };
-                    found.push((rank, split));
-                }
+            let of_constants = constants
+                .iter()
+                .flat_map(|name| [SplitBy::Rest(name.clone()), SplitBy::Constant(name.clone())]);
+            let of_terms = update.map(terms).unwrap_or_default();
+            let of_terms = of_terms.into_iter().enumerate();
+            let of_terms = of_terms.map(|(place, term)| SplitBy::Term {
+                place,
+                written: read.text[term.span.start..term.span.end].to_owned(),
+            });
+            for by in of_constants.chain(of_terms) {
+                let split = Split {
+                    command,
+                    update: place,
+                    by,
+                    to: to.clone(),
+                    leads_to_lacking: rank == 0,
+                };
+                found.push((rank, split));
             }
         }
     }

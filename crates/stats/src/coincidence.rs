@@ -7,7 +7,7 @@
 //! ```text
 //! constant : max of P(c - w/2 <= rate <= c + w/2)           a number c written in steps of w (0.87: w = 0.01)
 //!            and q(b) P(c - 1/(2b) <= rate <= c + 1/(2b))   that rounds to k/n = a/b in lowest terms
-//! quotient : P(K = k | n) SAME_TRIALS             k/n as a quotient of whole numbers
+//! quotient : P(K = k | n) s(n)                    k/n as a quotient of whole numbers
 //! counts   : P(K = k | n) of the beta-binomial predictive distribution        k of n again in as many trials
 //! rows     : P(M >= m), M the sum of independent events of the probabilities b(k_i; n_i, k_i / n_i)
 //!            (b the binomial probability: the largest that row i can have to be the same, whatever its own rate)
@@ -16,7 +16,8 @@
 //!
 //! `q(b)` is how probable it is at most that another source has a multiple of `b` trials, so that it can give `a/b` at all:
 //! an assumption, `min(1, 10/b)` where `b` has the prime factors 2, 3 and 5 alone, as numbers of trials that people choose
-//! mostly have, and `min(1, 10 p/b) / p` for the largest prime factor `p` else.
+//! mostly have, and `min(1, 10 p/b) / p` for the largest prime factor `p` else. `s(n)` is how probable it is at most that another
+//! source has just `n`: [`SAME_TRIALS`] where `n` is 1, 2 or 5 times a power of ten, and the less of that and `q(n)` else.
 //!
 //! Of several coincidences that could have been met in a study, of the probabilities `P_j` each, one is as improbable as
 //! `x` with probability at most the sum of the `P_j <= x`; `m` of them together with probability at most `L^m / m!`, `L`
@@ -209,15 +210,30 @@ pub fn count_by_chance(counts: Sample) -> f64 {
 /// How probable it is at most that an independent source has the same number of trials: an assumption.
 pub const SAME_TRIALS: f64 = 0.1;
 
+/// The same of this number: 1, 2 or 5 times a power of ten is what people choose, and others are rarer, as their multiples are.
+fn same_trials(trials: u64) -> f64 {
+    let mut leading = trials.max(1);
+    while leading.is_multiple_of(10) {
+        leading /= 10;
+    }
+    match leading {
+        1 | 2 | 5 => SAME_TRIALS,
+        _ => common_multiple(trials).min(SAME_TRIALS),
+    }
+}
+
 /// The probability that an independent source writes the quotient of these counts: of as many trials, and the same count.
 ///
 /// ```
 /// let counts = stats::Sample { successes: 174, trials: 200 };
 /// assert!(stats::quotient_by_chance(counts) < 0.01);
+/// // Hardly anybody else has 211 trials.
+/// let odd = stats::Sample { successes: 184, trials: 211 };
+/// assert!(stats::quotient_by_chance(odd) < 0.001);
 /// ```
 #[must_use]
 pub fn quotient_by_chance(counts: Sample) -> f64 {
-    SAME_TRIALS * count_by_chance(counts)
+    same_trials(counts.trials) * count_by_chance(counts)
 }
 
 /// The probability of any coincidence as improbable as `found` among those that could have been met.

@@ -13,6 +13,7 @@ mod answer;
 mod at_constants;
 mod functions;
 mod given;
+mod idle_commands;
 mod never;
 mod point_values;
 mod robust;

@@ -395,7 +395,7 @@ pub fn requirement_form(subject: &Subject, form: &str, evidence: &[&str]) -> Sus
     };
     let (kind, form) = match form {
         "property" | "occurs" => (SuspectKind::Property, "property".to_owned()),
-        "trigger" | "opportunity" => (SuspectKind::Property, form.to_owned()),
+        "trigger" | "opportunity" | "experiment" => (SuspectKind::Property, form.to_owned()),
         "monitor" => (SuspectKind::Monitor, "monitor".to_owned()),
         "sentence" => (SuspectKind::Monitor, "sentence".to_owned()),
         reading => (SuspectKind::Monitor, format!("reading `{reading}`")),

@@ -44,10 +44,20 @@ pub(super) fn reason(
             counts.words()
         ),
         ModelChange::Split { split, .. } => format!(
-            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. It declares `{}` and uses it nowhere. With a branch that \
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. It {} `{}`{}. With a branch that \
              has this probability they agree, and nothing has to be fitted for it.",
             counts.words(),
-            split.constant
+            if split.by.is_term() {
+                "adds"
+            } else {
+                "declares"
+            },
+            split.by.written_for(),
+            if split.by.is_term() {
+                " to the probability of something else"
+            } else {
+                " and uses it nowhere"
+            },
         ),
         ModelChange::Idle { change, .. } => format!(
             "The model's rate of {mode} is {rate:.6}, and it was counted in {}. In the model's text {}. With this change they agree, \

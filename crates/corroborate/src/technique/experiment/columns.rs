@@ -5,6 +5,9 @@
 //! which something is counted is *left to others* where this cohort lacks it, has another one by which something is counted, and
 //! another cohort of the ledger has it. What is counted by it is then not covered here.
 //!
+//! A column is *unread* if it may count something, since it has whole numbers that are nowhere more than the attempts, and no word of the
+//! vocabulary is bound to it. It is said, since it changes nothing.
+//!
 //! # Assumes
 //! That a table without a column did not count it, where another table of the study has it.
 //!
@@ -45,6 +48,35 @@ pub(super) fn left_to_others(study: &Study, table: &Table) -> BTreeSet<String> {
     let elsewhere = |binding: &&str| cohorts.iter().any(|it| has(it.table.headers(), binding));
     let left = lacking.into_iter().filter(elsewhere);
     left.map(str::to_owned).collect()
+}
+
+impl super::Tables {
+    /// The columns of the table by person or session that may count something and that no word is bound to.
+    pub(crate) fn unread_columns(&self, study: &Study) -> Vec<String> {
+        let Some(cohort) = self.cohort.as_ref().filter(|_| self.speaks_of.is_none()) else {
+            return Vec::new();
+        };
+        let words = study.vocabulary.propositions.values();
+        let bound: BTreeSet<&str> = words
+            .filter_map(|word| Some(header(&word.column.as_ref()?.text)))
+            .collect();
+        // The first names the people.
+        let columns = cohort
+            .table
+            .columns()
+            .skip(1)
+            .filter(|column| column.header() != "attempts" && !bound.contains(column.header()));
+        let may_count = |column: &trace::Column<'_>| {
+            column.as_counts().is_ok_and(|counts| {
+                let mut both = counts.iter().zip(&cohort.attempts);
+                both.all(|(count, attempts)| count <= attempts) && counts.iter().any(|it| *it > 0)
+            })
+        };
+        columns
+            .filter(may_count)
+            .map(|column| column.header().to_owned())
+            .collect()
+    }
 }
 
 /// The header of the column that a binding names: `failures` of `failures: drop`.

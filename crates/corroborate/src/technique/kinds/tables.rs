@@ -37,6 +37,15 @@ impl Technique for ReadTables<'_> {
                 .events
                 .say(&format!("warning: {}", row.in_words()));
         }
+        let unread = tables.unread_columns(asked.study);
+        if let (Some(file), false) = (self.files.cohort, unread.is_empty()) {
+            asked.host.events.say(&format!(
+                "{}: no word of the vocabulary reads these columns of {}, which may be counts: {}",
+                asked.entry.id,
+                file.display(),
+                unread.join(", ")
+            ));
+        }
         Ok(Box::new(Ready {
             asked,
             technique: self.technique,

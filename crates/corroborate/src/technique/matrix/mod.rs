@@ -80,6 +80,7 @@ pub fn diagnose(
     };
     let mut gathered = Gathered::default();
     diagnosing.formal(&mut gathered)?;
+    diagnosing.idle_commands(&mut gathered)?;
     diagnosing.runs(&mut gathered)?;
     diagnosing.events(&mut gathered)?;
     diagnosing.repeated(&mut gathered)?;
@@ -133,6 +134,38 @@ pub fn inputs_of(result: &StudyResult) -> String {
 }
 
 impl Diagnosing<'_> {
+    /// Says which commands of formal models are never enabled: what stands there plays no part, which shows in no conflict.
+    fn idle_commands(&self, gathered: &mut Gathered) -> Result<(), Problem> {
+        for entry in self.entries(|work| work.model().is_some()) {
+            let Some(model) = entry.work.model() else {
+                continue;
+            };
+            let cancel = || self.setting.cancel.is_cancelled();
+            let found = Compiled::new(self.study, model)?.idle_commands(&cancel);
+            self.setting.go_on()?;
+            match found {
+                Ok(found) if found.idle.is_empty() => {}
+                Ok(found) => {
+                    let lines: Vec<String> = found.idle.iter().map(usize::to_string).collect();
+                    gathered.in_order.push(format!(
+                        "{}: the guards of {} of {} commands hold in no state that the model reaches: {}:{}",
+                        entry.id,
+                        lines.len(),
+                        found.lines,
+                        model.display(),
+                        lines.join(", ")
+                    ));
+                }
+                Err(problem) => gathered.not_done.push(format!(
+                    "commands of {} that are never enabled: {}",
+                    entry.id,
+                    problem.message()
+                )),
+            }
+        }
+        Ok(())
+    }
+
     /// Constants that do not have the value of the counts they were set to.
     fn drifted_constants(&self, gathered: &mut Gathered) -> Result<(), Problem> {
         for entry in &self.study.ledger {

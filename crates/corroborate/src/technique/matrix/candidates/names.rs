@@ -1,10 +1,12 @@
-//! Other propositions in hand-written properties, triggers and opportunities of requirements.toml.
+//! Other propositions in hand-written properties, triggers, opportunities and `experiment` entries of requirements.toml.
 //!
 //! # Definition
 //! In a property, a `trigger` or an `opportunity` of a subject in disagreement each proposition in turn becomes another one that models
 //! are asked by and the text does not name. The words of the subject (a requirement's text, a failure mode's name and meaning) say the
 //! other one if they have its name and not this one's; otherwise nothing suggests it but that it can be. A trigger also says which
 //! rows of tables and which runs count, so that these are produced again with it. What the other forms of a subject name is in [`super`].
+//!
+//! The proposition whose column counts a subject becomes in turn each other one that has a column; the property says those that it names.
 //!
 //! # Assumes
 //! Nothing of the data. What is suggested is tried.
@@ -14,7 +16,7 @@
 
 use super::quantities::add;
 use super::sentences::names;
-use super::{REQUIREMENTS, Reach, TextEdit, part_of};
+use super::{REQUIREMENTS, Reach, TextEdit, block, part_of, values};
 use evidence::{Subject, SuspectKind};
 use study::{FormText, Study, SubjectForm, TriggerForm, quoted_names};
 
@@ -23,6 +25,9 @@ pub(super) fn of_forms(study: &Study, disagrees: &dyn Fn(&Subject) -> bool) -> V
     let mut found = Vec::new();
     let forms = study.forms.subjects.iter();
     for form in forms.filter(|form| disagrees(&form.subject)) {
+        for edit in of_experiment(study, form) {
+            add(edit, &mut found);
+        }
         for (which, text, reach) in written(form) {
             for edit in in_text(study, form, (which, text), &reach) {
                 add(edit, &mut found);
@@ -76,6 +81,43 @@ fn in_text(
                 reach: reach.clone(),
                 hint: is_said
                     .then(|| format!("the text of {} says `{new}`", form.subject.in_words())),
+                is_said,
+            });
+        }
+    }
+    found
+}
+
+/// Other propositions whose columns count a subject.
+fn of_experiment(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
+    let Some(own) = &form.experiment else {
+        return Vec::new();
+    };
+    let text = &study.forms.source.text;
+    let asked = form.property.as_ref().map(|it| quoted_names(&it.text));
+    let asked = asked.unwrap_or_default();
+    let words = &study.vocabulary.propositions;
+    let others = words
+        .iter()
+        .filter(|(name, word)| word.column.is_some() && *name != own);
+    let places = values(text, block(text, form), "experiment");
+    let mut found = Vec::new();
+    for (new, _) in others {
+        for (span, quoted) in &places {
+            let is_said = asked.iter().any(|(name, _)| name == new)
+                && asked.iter().all(|(name, _)| name != own);
+            if quoted.trim_matches(['"', '\'']) != own {
+                continue;
+            }
+            found.push(TextEdit {
+                file: REQUIREMENTS,
+                span: span.start + 1..span.end - 1,
+                old: own.clone(),
+                new: new.clone(),
+                kind: SuspectKind::Property,
+                part: part_of(form, "experiment"),
+                reach: Reach::Tables,
+                hint: is_said.then(|| format!("its property names `{new}`")),
                 is_said,
             });
         }
