@@ -7,12 +7,12 @@
 //!   assignment out;
 //! * *whole number*: a constant of type `int` that is compared by order or counted with is one or two more or less;
 //! * *digits*: a constant that may be a probability is one minus what is written, and a constant of type `double` ten times or a tenth of it;
-//! * *beginning*: a counter of at most [`MOST_VALUES`] values, or a Boolean variable, begins with another one;
+//! * *beginning*: a variable of at most [`MOST_VALUES`] values begins with another one;
 //! * *bound*: a number that guards compare a variable with in several places is one more or less in all of them, so that what
 //!   two commands share between them stays shared;
 //! * *guard*: in one guard or formula a comparison leaves out or takes in equality, is turned around or denied, its whole number is one
 //!   more or less (one that is added to what the variable is compared with also two) or what the variable is compared with elsewhere, a Boolean variable is denied or not, `&` is `|` or the other way
-//!   round;
+//!   round, in one place or throughout a chain of operands;
 //! * *far*: a whole number of one of these kinds (a constant, a beginning of a counter with many values, what a comparison by order asks
 //!   for) is another one, up to eight away: what is solved for, where a number has no digits behind its point;
 //! * *exchange*: two commands of a module, at most [`NEAR_BY`] apart, have each other's guards.
@@ -58,7 +58,7 @@ const MOST_CHANGES: usize = 800;
 /// How far two commands stand apart that may have each other's guards.
 const NEAR_BY: usize = 2;
 
-/// Values of a counter that may begin otherwise, at most.
+/// Values of a variable that may begin otherwise, at most.
 const MOST_VALUES: i64 = 12;
 
 /// Decades that a number which is solved for costs beside slips: the share of all values that agree as well with the counts is about a

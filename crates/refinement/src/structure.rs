@@ -36,7 +36,7 @@
 use crate::counts::{Counts, anchors};
 use crate::model_change::{AS_GOOD, Alternative, Changed, ModelChange, Values, value_of};
 use crate::model_offers::{Ground, Model, ModelOffers};
-use crate::trial::SAME_VALUE;
+use crate::trial::{SAME_VALUE, never_triggers};
 use evidence::{Evidence, Guarantee, Measure, Outcome, Rate, STRONG, Subject, signed_strength};
 use std::collections::BTreeMap;
 
@@ -120,7 +120,11 @@ impl Ground<'_> {
                     _ => false,
                 }
             };
-            value.is_some_and(is_kept)
+            let is_asked = match value {
+                Some(value) => is_kept(value),
+                None => never_triggers(own, subject),
+            };
+            is_asked
                 && self.is_own(subject)
                 && self.strongest(own, subject, value) > STRONG
                 && !self.agrees(own, subject)
@@ -232,15 +236,26 @@ impl Ground<'_> {
         let mut is_near = true;
         let mut subjects = Vec::new();
         for (subject, was) in before.iter().filter(|(subject, _)| self.is_own(subject)) {
-            let Some(was) = *was else { continue };
-            // A value that is lost explains nothing.
-            let value = value_of(after, subject)?;
+            if was.is_none() && !never_triggers(own, subject) {
+                continue;
+            }
+            let value = match (*was, value_of(after, subject)) {
+                (_, Some(value)) => value,
+                // It still comes to no run that triggers it.
+                (None, None) => continue,
+                // A value that is lost explains nothing.
+                (Some(_), None) => return None,
+            };
             let is = value;
             // That something always or never happens is a claim of its own, which no margin for rates softens.
-            let is_certain = was > 0.0 && was < 1.0 && (is <= 0.0 || is >= 1.0);
+            let was_open = was.is_none_or(|was| was > 0.0 && was < 1.0);
+            let is_certain = was_open && (is <= 0.0 || is >= 1.0);
             let part = if is_certain { NEARER } else { 1.0 };
             let both = (
-                self.signed(own, subject, was, 1.0),
+                match was {
+                    Some(was) => self.signed(own, subject, *was, 1.0),
+                    None => Some(self.strongest(own, subject, None)),
+                },
                 self.signed(own, subject, is, part),
             );
             let (Some(was), Some(is)) = both else {

@@ -241,7 +241,7 @@ impl Ground<'_> {
     }
 
     /// How strongly a piece disagrees with two values; a failure mode that a model cannot express never occurs there, unless the model
-    /// is one of another part.
+    /// is one of another part. Where it never triggers the subject, no value is what was refuted.
     fn apart(
         &self,
         own: &Evidence,
@@ -253,9 +253,13 @@ impl Ground<'_> {
         let margin = self.margin(subject);
         let is_mode = matches!(subject, Subject::FailureMode(_))
             && !evidence::is_of_another_part(self.evidence, own, subject);
-        Some(values.map(|value| match value.or(is_mode.then_some(0.0)) {
-            Some(value) => strength(Rate::claimed(value, subject), theirs, margin),
-            None => 0.0,
+        let never = against_never_triggering(own, piece, subject, margin);
+        Some(values.map(|value| match (value, never) {
+            (None, Some(apart)) => apart,
+            (value, _) => match value.or(is_mode.then_some(0.0)) {
+                Some(value) => strength(Rate::claimed(value, subject), theirs, margin),
+                None => 0.0,
+            },
         }))
     }
 
@@ -284,4 +288,36 @@ impl Ground<'_> {
             .filter(|(place, piece)| !is_replaced((*place, piece)));
         kept.map(|(_, piece)| *piece).collect()
     }
+}
+
+/// How strongly it speaks against a model that never triggers a subject that another piece has triggered: that something cannot come is
+/// refuted by its coming. None if the model may trigger it, or the piece has no run that does.
+pub(crate) fn against_never_triggering(
+    own: &Evidence,
+    piece: &Evidence,
+    subject: &Subject,
+    margin: f64,
+) -> Option<f64> {
+    if !never_triggers(own, subject) {
+        return None;
+    }
+    let finding = piece.finding(subject)?;
+    let rate = match (finding.trigger.as_deref(), &finding.measure) {
+        (Some(Measure::Counts { count, trials, .. }), _) if *count > 0 => {
+            Rate::counted(*count, *trials)
+        }
+        // How many runs there were is not known, and that there was one is enough.
+        (None, Measure::Counts { trials, .. }) if *trials > 0 => Rate::counted(*trials, *trials),
+        _ => return None,
+    };
+    Some(strength(Rate::Never, rate, margin))
+}
+
+/// Whether a model triggers a subject in no run, for certain.
+pub(crate) fn never_triggers(own: &Evidence, subject: &Subject) -> bool {
+    let trigger = own
+        .finding(subject)
+        .and_then(|finding| finding.trigger.as_deref());
+    matches!(trigger, Some(Measure::Probability { answer, .. })
+        if answer.value == 0.0 && answer.guarantee.is_certain())
 }

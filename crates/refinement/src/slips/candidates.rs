@@ -289,9 +289,8 @@ fn digits_of_numbers(read: &Read<'_>) -> Vec<Slip> {
     found
 }
 
-/// Other first values of counters that have few, and of Boolean variables.
+/// Other first values of variables that have few.
 fn beginnings(read: &Read<'_>) -> Vec<Slip> {
-    let ordered = ordered_names(read);
     let mut found = Vec::new();
     for variable in crate::idle::declared(read) {
         let init = variable.init.as_ref().map(|it| &it.kind);
@@ -311,7 +310,7 @@ fn beginnings(read: &Read<'_>) -> Vec<Slip> {
             continue;
         };
         let name = &variable.name.text;
-        if high - low < MOST_VALUES && ordered.contains(name) {
+        if high - low < MOST_VALUES {
             let others = (low..=high).filter(|it| *it != init);
             found.extend(others.map(|new| Slip::Begin {
                 variable: name.clone(),
@@ -434,6 +433,9 @@ fn others_of_operation(
     let with = |place: Span, text: &str| with_part(read, expr, place, text);
     let sign = Span::new(sign, sign + now.len());
     let mut others: Vec<String> = signs.iter().map(|it| with(sign, it)).collect();
+    if let (And | Or, Some(other)) = (operator, signs.first()) {
+        others.extend(of_chain(read, expr, (operator, now), other));
+    }
     if is_comparison(operator) {
         let written = |it: &Expr| read.text[it.span.start..it.span.end].to_owned();
         for (own, side) in [(right, left), (left, right)] {
@@ -458,6 +460,31 @@ fn others_of_operation(
         others.retain(|it| known.insert(it.clone()));
     }
     others
+}
+
+/// A chain of more than two operands with another sign between all of them: who mistakes one `&` for `|` writes it throughout.
+fn of_chain(
+    read: &Read<'_>,
+    expr: &Expr,
+    (operator, now): (BinaryOp, &str),
+    other: &str,
+) -> Option<String> {
+    let mut signs = Vec::new();
+    let mut rest = expr;
+    while let ExprKind::Binary(own, left, right) = &rest.kind
+        && *own == operator
+    {
+        let at = read.text[left.span.end..right.span.start].find(now)?;
+        signs.push(left.span.end + at);
+        rest = left;
+    }
+    let mut text = read.text[expr.span.start..expr.span.end].to_owned();
+    // From the last to the first, so that places stay.
+    for at in &signs {
+        let start = at - expr.span.start;
+        text.replace_range(start..start + now.len(), other);
+    }
+    (signs.len() > 1).then_some(text)
 }
 
 /// An expression with another text at a place of it.

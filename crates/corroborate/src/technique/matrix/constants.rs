@@ -27,7 +27,7 @@ use evidence::{
 const UNHARMFUL: f64 = 2.0;
 
 impl Diagnosing<'_> {
-    /// A clue for each property that says nothing and that nothing explains.
+    /// A clue for each property that says nothing and that no edit explains.
     pub(super) fn constants(&self, offered: &OfModels, gathered: &mut Gathered) {
         for piece in &self.result.evidence {
             for finding in &piece.findings {
@@ -42,24 +42,37 @@ impl Diagnosing<'_> {
                 }
             }
         }
-        // What an edit explains it is the reason of.
-        let explained: Vec<(Subject, String)> = gathered
-            .clues
-            .iter()
-            .filter_map(|clue| match &clue.symptom {
-                Symptom::EditExplains { subject, pairs, .. } => {
-                    let ids = pairs.iter().flatten();
-                    Some(ids.map(|id| (subject.clone(), id.clone())))
-                }
-                _ => None,
-            })
-            .flatten()
-            .collect();
-        gathered.clues.retain(|clue| match &clue.symptom {
-            Symptom::SaysNothing {
+        // What an edit explains it is the reason of, but for the share of a change of the model that explains it, too.
+        let mut explained: Vec<(Subject, String, f64)> = Vec::new();
+        for clue in &gathered.clues {
+            if let Symptom::EditExplains {
+                subject,
+                pairs,
+                share,
+                ..
+            } = &clue.symptom
+            {
+                let ids = pairs.iter().flatten();
+                explained.extend(ids.map(|id| (subject.clone(), id.clone(), *share)));
+            }
+        }
+        gathered.clues.retain_mut(|clue| {
+            let Symptom::SaysNothing {
                 subject, evidence, ..
-            } => !explained.contains(&(subject.clone(), evidence.clone())),
-            _ => true,
+            } = &clue.symptom
+            else {
+                return true;
+            };
+            let own = explained
+                .iter()
+                .filter(|(of, id, _)| of == subject && id == evidence)
+                .map(|(.., share)| *share);
+            let Some(share) = own.max_by(f64::total_cmp) else {
+                return true;
+            };
+            let whole = clue.figures.first().map_or(0.0, |it| it.value);
+            clue.score = whole * (1.0 - share);
+            clue.asset.kind == SuspectKind::FormalModel
         });
     }
 
@@ -102,7 +115,7 @@ impl Diagnosing<'_> {
             ),
             explanation: format!(
                 "It is {says} of each run of {} that counts, whatever the model's commands do; {} counted {} of {}. So the property, a word \
-                 that it asks with, or the state in which the model begins is not what was meant. No single edit that was tried explains it.",
+                 that it asks with, or the state in which the model begins is not what was meant.",
                 piece.id, other.id, counts[0], counts[1]
             ),
             symptom: Symptom::SaysNothing {
