@@ -17,6 +17,7 @@
 //! | a hand-written `property` or `formula` is negated or joined otherwise (`formulas`) | nothing but that it can be |
 //! | a hand-written `property`, `trigger` or `opportunity` names another proposition (`names`) | the subject's own words have its name, or nothing but that it can be |
 //! | the property of a failure mode says that a proposition comes about (`formulas`) | its other forms name it |
+//! | a clause of a `model` binding of several asks for another value or Boolean variable | nothing but that it can be |
 //! | a `model` binding has a further case | a state that the model comes to and no proposition names |
 //! | a signal in a `trace` binding is another | a signal of topics.toml that no proposition reads, and that the same can be said of |
 //! | the field that a signal is read `from` is another | a field of the recordings that no signal is read from, above all one that is called as the signal is |
@@ -336,11 +337,26 @@ fn equality(text: &str) -> Option<(String, String)> {
     (is_word(variable) && is_word(value)).then(|| (variable.to_owned(), value.to_owned()))
 }
 
+/// `variable=value` with a value that something is added to or taken from, if a binding is that.
+fn sum_equality(text: &str) -> Option<(String, String)> {
+    let (variable, value) = text.split_once('=')?;
+    let (variable, value) = (variable.trim(), value.trim());
+    let is_sum = value.contains(['+', '-']) && !value.contains(['=', '<', '>', '&', '|', '!', '(']);
+    (is_word(variable) && is_sum).then(|| (variable.to_owned(), value.to_owned()))
+}
+
 /// What a model's text lets a binding be instead: the same variable with another value that is assigned, or another
 /// variable that is made true, or another formula or label.
 fn other_states(text: &str, binding: &str) -> Vec<String> {
     if let Some((variable, _)) = equality(binding) {
         let values = assigned(text, &variable).into_iter();
+        return values.map(|value| format!("{variable}={value}")).collect();
+    }
+    if let Some((variable, value)) = sum_equality(binding) {
+        // Of `n=N-1` it is `n=N`.
+        let first = value.split(['+', '-']).next().unwrap_or_default().trim();
+        let values = assigned(text, &variable).into_iter();
+        let values = values.chain(is_word(first).then(|| first.to_owned()));
         return values.map(|value| format!("{variable}={value}")).collect();
     }
     let binding = binding.trim();
@@ -417,6 +433,12 @@ fn model_bindings(study: &Study) -> Result<Vec<TextEdit>, Problem> {
                     is_said,
                     ..binding((name, "model"), place, new, Reach::Models, hint)
                 };
+                if !found.contains(&edit) {
+                    found.push(edit);
+                }
+            }
+            for new in clauses::with_other_operands(&place.text, &|own| other_states(&text, own)) {
+                let edit = binding((name, "model"), place, new, Reach::Models, None);
                 if !found.contains(&edit) {
                     found.push(edit);
                 }

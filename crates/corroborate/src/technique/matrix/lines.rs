@@ -85,14 +85,22 @@ impl Diagnosing<'_> {
         Ok(())
     }
 
-    /// The lines of rows of tables that are named by what stands in their first cell.
+    /// The lines of rows of tables that are named by what stands in their first cell, or that count the one subject for which
+    /// a table is suspected.
     fn row_lines(&self, suspects: &mut [Suspect]) {
         for suspect in suspects {
+            let one = match suspect.subjects.as_slice() {
+                [one] if suspect.asset.kind == SuspectKind::Data => Some(one.id().to_owned()),
+                _ => None,
+            };
             let asset = &mut suspect.asset;
-            let part = asset.part.as_deref().unwrap_or_default();
-            let row = part
-                .strip_prefix("row `")
-                .and_then(|it| it.strip_suffix('`'));
+            let part = asset.part.as_deref();
+            let row = match part {
+                Some(part) => part
+                    .strip_prefix("row `")
+                    .and_then(|it| it.strip_suffix('`')),
+                None => one.as_deref(),
+            };
             let (Some(file), Some(row), None) = (&asset.file, row, asset.line) else {
                 continue;
             };

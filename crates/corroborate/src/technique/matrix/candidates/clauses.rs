@@ -90,6 +90,27 @@ pub(super) fn of_vocabulary(study: &Study, disagrees: &dyn Fn(&Subject) -> bool)
     found
 }
 
+/// A model's expression of several clauses with one of them about another state, as `others` says, denied where it was.
+pub(super) fn with_other_operands(text: &str, others: &dyn Fn(&str) -> Vec<String>) -> Vec<String> {
+    let chain = Chain::of(text, 0..text.len());
+    if chain.operands.len() < 2 {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for operand in &chain.operands {
+        let own = &text[operand.clone()];
+        let bare = own[negation(own)..].trim_start();
+        let place = operand.end - bare.len()..operand.end;
+        let is_plain = !bare.contains(['&', '|', '(', '<', '>', '!']);
+        let new = others(bare).into_iter().filter(|_| is_plain);
+        found.extend(
+            new.filter(|it| it != bare)
+                .map(|it| put(text, place.clone(), &it)),
+        );
+    }
+    found
+}
+
 /// A trace expression with one clause more, and what this clause reads: what another proposition's expression consists of, or its
 /// negation, of what the meaning speaks of and the expression does not read.
 fn further_clauses<'t>(
