@@ -105,7 +105,7 @@ use std::collections::BTreeMap;
 /// ```
 #[must_use]
 pub fn constant_by_chance(counts: Sample, value: f64, step: f64) -> f64 {
-    if counts.trials == 0 {
+    if !counts.is_informative() {
         return 1.0;
     }
     let posterior = BetaPosterior::jeffreys(counts);

@@ -1,9 +1,13 @@
 //! Counts, intervals and confidence levels: the nouns that every other module speaks.
 //!
-//! A count that carries no information (no trials, or more successes than trials) never leads
-//! to a claim: its intervals are `[0, 1]` and its p-values are 1.
+//! A count that carries no information (no trials, more successes than trials, or more trials than
+//! [`MOST_TRIALS`]) never leads to a claim: its intervals are `[0, 1]` and its p-values are 1.
 
 use std::fmt;
+
+/// More trials are not counted: beyond this a `f64` does not tell a number from the next, and what is computed of it would be
+/// of another count.
+pub const MOST_TRIALS: u64 = 1 << 53;
 
 /// What was counted: `successes` among `trials` independent trials of the same kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,10 +22,17 @@ impl Sample {
     /// `successes` among `trials`.
     ///
     /// # Errors
-    /// [`StatsError::MoreSuccessesThanTrials`] when `successes > trials`.
+    /// [`StatsError::MoreSuccessesThanTrials`] when `successes > trials`, [`StatsError::OutOfRange`] beyond [`MOST_TRIALS`].
     pub fn new(successes: u64, trials: u64) -> Result<Self, StatsError> {
         if successes > trials {
             return Err(StatsError::MoreSuccessesThanTrials { successes, trials });
+        }
+        if trials > MOST_TRIALS {
+            return Err(StatsError::OutOfRange {
+                what: "number of trials",
+                value: trials as f64,
+                expected: "at most 2^53 trials (9e15)",
+            });
         }
         Ok(Self { successes, trials })
     }
@@ -38,10 +49,10 @@ impl Sample {
         EffectiveSample::from(*self).rate()
     }
 
-    /// Whether the counts say anything: at least one trial and no more successes than trials.
+    /// Whether the counts say anything: at least one trial, at most [`MOST_TRIALS`], and no more successes than trials.
     #[must_use]
     pub fn is_informative(&self) -> bool {
-        self.trials > 0 && self.successes <= self.trials
+        (1..=MOST_TRIALS).contains(&self.trials) && self.successes <= self.trials
     }
 }
 
@@ -103,11 +114,11 @@ impl EffectiveSample {
         self.is_informative().then(|| self.successes / self.trials)
     }
 
-    /// Whether the counts say anything: a positive size and `0 <= successes <= trials`.
+    /// Whether the counts say anything: a positive size, at most [`MOST_TRIALS`], and `0 <= successes <= trials`.
     #[must_use]
     pub fn is_informative(&self) -> bool {
-        self.trials.is_finite()
-            && self.trials > 0.0
+        self.trials > 0.0
+            && self.trials <= MOST_TRIALS as f64
             && self.successes >= 0.0
             && self.successes <= self.trials
     }
@@ -117,7 +128,11 @@ impl From<Sample> for EffectiveSample {
     fn from(sample: Sample) -> Self {
         Self {
             successes: sample.successes as f64,
-            trials: sample.trials as f64,
+            // A count just beyond rounds to the most there may be.
+            trials: match sample.trials {
+                0..=MOST_TRIALS => sample.trials as f64,
+                _ => f64::INFINITY,
+            },
         }
     }
 }

@@ -105,6 +105,9 @@ use level::Band;
 use region::Region;
 use supremum::{Line, supremum};
 
+/// With more trials in either sample no p-value is given: the work grows with the root of both sizes, to seconds here.
+pub const MOST_TRIALS: u64 = 100_000_000;
+
 /// By how much of itself the p-value may exceed the supremum.
 pub const TOLERANCE: f64 = 1e-3;
 
@@ -121,8 +124,9 @@ struct Counts {
     margin: f64,
 }
 
-/// The p-value of "the rates differ by `margin` or more"; `None` when either sample carries no information or the margin
-/// is not between 0 and 1.
+/// The p-value of "the rates differ by `margin` or more"; `None` when either sample carries no information, the margin
+/// is not between 0 and 1, or there are more trials than a hundred million, where [`score_equivalence`](crate::score_equivalence)
+/// is as good.
 ///
 /// ```
 /// use stats::{Sample, exact_equivalence};
@@ -134,7 +138,7 @@ struct Counts {
 #[must_use]
 pub fn exact_equivalence(first: Sample, second: Sample, margin: f64) -> Option<f64> {
     let valid = first.is_informative() && second.is_informative() && margin > 0.0;
-    if !valid || margin >= 1.0 {
+    if !valid || margin >= 1.0 || first.trials.max(second.trials) > MOST_TRIALS {
         return None;
     }
     let counts = Counts {

@@ -27,6 +27,7 @@
 //! `sqrt(p / PERMUTATIONS)`. Those below `1 / (1 + PERMUTATIONS)` are not told apart. Cost: rows times permutations.
 
 use crate::counts::Sample;
+use crate::heterogeneity::pool;
 
 /// Permutations that are drawn.
 pub const PERMUTATIONS: usize = 9999;
@@ -95,9 +96,7 @@ pub fn alike_in_order(rows: &[Sample]) -> Option<f64> {
 
 /// What each row has more than the common rate gives; `None` where there are too few rows, or one outcome only.
 fn residuals(rows: &[Sample]) -> Option<Vec<f64>> {
-    let (successes, trials) = rows.iter().fold((0, 0), |(successes, trials), row| {
-        (successes + row.successes, trials + row.trials)
-    });
+    let Sample { successes, trials } = pool(rows).ok()?;
     if rows.len() < FEWEST_ROWS || successes == 0 || successes == trials {
         return None;
     }

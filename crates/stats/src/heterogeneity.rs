@@ -124,18 +124,9 @@ pub fn pool(samples: &[Sample]) -> Result<Sample, StatsError> {
     };
     for sample in samples {
         Sample::new(sample.successes, sample.trials)?;
-        let trials = pooled
-            .trials
-            .checked_add(sample.trials)
-            .ok_or(StatsError::OutOfRange {
-                what: "sum of trials",
-                value: pooled.trials as f64 + sample.trials as f64,
-                expected: "fewer than 2^64 trials",
-            })?;
-        pooled = Sample {
-            successes: pooled.successes + sample.successes,
-            trials,
-        };
+        // Each has at most 2^53, so that the sums fit; they are looked at, too.
+        let successes = pooled.successes + sample.successes;
+        pooled = Sample::new(successes, pooled.trials + sample.trials)?;
     }
     if pooled.trials == 0 {
         Err(StatsError::NoTrials)

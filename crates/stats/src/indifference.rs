@@ -190,8 +190,8 @@ impl IndifferenceTest {
         let after = |further: u64| {
             let gained = (rate * further as f64).round() as u64;
             ends.map(|end| Sample {
-                successes: end.successes + gained,
-                trials: end.trials + further,
+                successes: end.successes.saturating_add(gained),
+                trials: end.trials.saturating_add(further),
             })
         };
         let decides = |further: u64| self.decide(after(further)) != Decision::Open;

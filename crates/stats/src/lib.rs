@@ -87,7 +87,9 @@ pub use continuation::{
     continued_clusters_above, continued_clusters_below, continued_interval, continued_lower_limit,
     continued_p, continued_rejects, continued_upper_limit,
 };
-pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError, whole_counts};
+pub use counts::{
+    Confidence, EffectiveSample, Interval, MOST_TRIALS, Sample, StatsError, whole_counts,
+};
 pub use design::{design, design_from, posterior_design};
 pub use draws::{Draws, VarianceShare, variance_shares};
 pub use equivalence::{Difference, DifferenceVariance, Tost, difference_interval, tost};

@@ -112,7 +112,7 @@ impl Pairs {
     pub fn p_value(&self) -> f64 {
         let sample = Sample {
             successes: self.only_second,
-            trials: self.only_first + self.only_second,
+            trials: self.only_first.saturating_add(self.only_second),
         };
         binomial_test_two_sided(sample, 0.5)
     }

@@ -1,5 +1,6 @@
 //! All integration tests of the crate in one program, since each program costs a link.
 
+mod any_count;
 mod calibration;
 mod cluster_coverage;
 mod copies;
