@@ -24,7 +24,7 @@ pub fn explain(arguments: &Explain) -> Result<Done, Problem> {
         Some(name) => {
             let wanted = name.trim_matches(|c| c == '[' || c == ']').to_lowercase();
             let wanted = wanted.replace([' ', '_'], "-");
-            let topic = topics.iter().find(|t| t.name == wanted).ok_or_else(|| {
+            let topic = named(&topics, &wanted).ok_or_else(|| {
                 let problem = Problem::new("unknown-topic", format!("there is no topic `{name}`"));
                 let speaking = speaking_of(&topics, name);
                 match did_you_mean(&wanted, topics.iter().map(|t| t.name)) {
@@ -43,6 +43,13 @@ pub fn explain(arguments: &Explain) -> Result<Done, Problem> {
         output,
         outcome: Outcome::Holds,
     })
+}
+
+/// The topic of this name, in the singular or the plural.
+fn named<'a, 't>(topics: &'a [Topic<'t>], wanted: &str) -> Option<&'a Topic<'t>> {
+    let find = |name: &str| topics.iter().find(|topic| topic.name == name);
+    let singular = || find(wanted.strip_suffix('s')?);
+    (find(wanted).or_else(|| find(&format!("{wanted}s")))).or_else(singular)
 }
 
 /// Most topics that are named for a word that is none.
@@ -125,6 +132,17 @@ mod tests {
         let found = said("Wilson");
         assert!(found.contains("these speak of it: "), "{found}");
         assert!(!said("zxqv").contains("speak of it"));
+    }
+
+    /// The report says "step" of what the topic `steps` explains.
+    #[test]
+    fn a_topic_is_found_in_the_singular_and_in_the_plural() {
+        let topics = topics();
+        let found = |word: &str| named(&topics, word).map(|topic| topic.name);
+        assert_eq!(found("step"), Some("steps"));
+        assert_eq!(found("margins"), Some("margin"));
+        assert_eq!(found("corroborated"), Some("corroborated"));
+        assert_eq!(found("zxqv"), None);
     }
 
     fn source_files(folder: &Path, files: &mut Vec<String>) {

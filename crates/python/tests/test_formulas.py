@@ -193,3 +193,22 @@ def test_a_mistake_in_an_atom_is_placed_in_the_formula():
     with pytest.raises(corroborate.Problem) as caught:
         Formula("always (speeed < 1)").judge([0.0], speed=[1.0])
     assert (caught.value.line, caught.value.column) == (1, 9) and "speed" in caught.value.remedy
+
+
+def test_weak_until_in_an_interval_is_what_its_documentation_says():
+    """On all traces of five samples: as the dual of `until`, and not as `until or always`."""
+    times = [0.0, 1.0, 2.0, 3.0, 4.0]
+    weak = Formula("f weak_until[1 s, 3 s] g", ending="finite")
+    dual = Formula("not ((not g) until[1 s, 3 s] (not f and not g))", ending="finite")
+    other = Formula("f until[1 s, 3 s] g or always[1 s, 3 s] f", ending="finite")
+    differ = 0
+    for bits in range(1024):
+        f = [bool(bits >> at & 1) for at in range(5)]
+        g = [bool(bits >> (at + 5) & 1) for at in range(5)]
+        verdict = weak.judge(times, f=f, g=g).verdict
+        assert verdict == dual.judge(times, f=f, g=g).verdict
+        # In words: f holds at each time of the interval, unless g has held until then.
+        said = all(f[at] or any(g[: at + 1]) for at in (1, 2, 3))
+        assert (verdict.value == "satisfied") == said, (f, g)
+        differ += other.judge(times, f=f, g=g).verdict != verdict
+    assert differ > 0

@@ -1,6 +1,8 @@
 """Errors are one exception, with place and remedy; a panic is named as ours."""
 
+import pathlib
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -190,3 +192,48 @@ def test_numbers_of_numpy_are_numbers():
 def test_the_version_is_that_of_the_command():
     done = subprocess.run([sys.executable, "-m", "corroborate", "--version"], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["corroborate", corroborate.__version__]
+
+
+def test_every_code_of_the_package_is_explained():
+    folder = pathlib.Path(corroborate.__file__).parent
+    texts = [file.read_text() for file in folder.glob("*.py")]
+    pattern = r'(?:Problem|WrongArgument|UnknownColumn)\(\s*"([a-z-]+)"'
+    codes = {code for text in texts for code in re.findall(pattern, text)}
+    assert {"wrong-argument", "package-missing", "bad-rig"} <= codes
+    for code in sorted(codes):
+        done = subprocess.run([sys.executable, "-m", "corroborate", "explain", code], capture_output=True, text=True)
+        assert done.returncode == 0, (code, done.stderr)
+
+
+@pytest.mark.parametrize("call", ["to_pandas", "to_polars", "to_pyarrow"])
+def test_a_package_that_is_missing_is_a_problem_that_says_how_to_get_it(call, monkeypatch):
+    package = call.removeprefix("to_")
+    # What `import` looks at first: there is no such module.
+    monkeypatch.setitem(sys.modules, package, None)
+    table = object.__new__(corroborate.Table)
+    with pytest.raises(corroborate.Problem) as caught:
+        getattr(table, call)()
+    assert (caught.value.code, caught.value.kind) == ("package-missing", "undecided")
+    assert caught.value.remedy == f"pip install {package}"
+
+
+def test_a_sample_that_is_refused_changes_nothing_of_a_stream():
+    stream = formula().start(["speed"])
+    assert stream.step(0.0, speed=0.5) is None
+    for wrong in ({"speed": "fast"}, {"speed": 10**400}):
+        with pytest.raises(corroborate.Problem):
+            stream.step(1.0, wrong)
+    assert stream.step(1.0) is None and stream.finish().verdict.value == "satisfied"
+
+
+def test_a_function_at_its_pole_and_of_too_many_digits_is_a_problem():
+    from corroborate._functions import RationalFunction
+
+    with pytest.raises(corroborate.Problem, match="its denominator is 0 there"):
+        RationalFunction("1 / (2 * p - 1)", ("p",))(p=0.5)
+    with pytest.raises(corroborate.Problem, match="too many digits"):
+        RationalFunction("p^1000000000", ("p",))(p=0.3)
+    assert RationalFunction("p^1000000000", ("p",))(p=1) == 1
+    for text in ("__import__('os')", "p +", "q"):
+        with pytest.raises(corroborate.Problem, match="not a rational function"):
+            RationalFunction(text, ("p",))(p=1)

@@ -10,6 +10,9 @@
 :mod:`stats`        statistics of counted trials
 :class:`Problem`    the one exception for wrong input
 ==================  =====================================================
+
+Whatever is wrong with what a function is given, it raises :class:`Problem`; for an argument of the wrong type it is a
+:class:`WrongArgument`, which is a ``TypeError``, too. Only a call that does not fit the signature is Python's own ``TypeError``.
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from ._problem import InternalError, Problem, WrongArgument
+from ._problem import InternalError, Problem, UnknownColumn, WrongArgument
 
 if TYPE_CHECKING:
     from . import rig, stats
@@ -49,7 +52,7 @@ _HOMES = {
     "stats": "stats",
 }
 
-__all__ = ["InternalError", "Problem", "WrongArgument", *_HOMES]
+__all__ = ["InternalError", "Problem", "UnknownColumn", "WrongArgument", *_HOMES]
 
 
 def __getattr__(name: str) -> Any:

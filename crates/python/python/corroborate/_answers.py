@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, Union
 
+from . import _checked
 from ._functions import Parametric
-from ._problem import Problem
+from ._problem import Problem, WrongArgument
 
 __all__ = ["Answer", "Witness", "as_fraction"]
 
@@ -127,7 +128,8 @@ class Answer:
 
     def _compared(self, other: object, sign: str, above: Any, below: Any) -> bool:
         if not _is_number(other):
-            raise TypeError(f"an answer compares with numbers, not with {type(other).__name__}: use its lower and upper bounds")
+            message = f"an answer compares with numbers, not with {type(other).__name__}"
+            raise WrongArgument("wrong-argument", message, remedy="compare its bounds, `.lower` and `.upper`, or `.value`")
         low, high, at = self._bounds(sign, other)
         if above(low, at):
             return True
@@ -152,7 +154,7 @@ class Answer:
         else:
             reason = f"it lies between {self.lower!r} and {self.upper!r}"
             remedy = 'check it with a smaller `precision` or with method="exact", or compare `.value`'
-        message = f"whether {self.property} {sign} {other} is not decided: {reason}"
+        message = f"whether {self.property} {sign} {_checked.shown(other)} is not decided: {reason}"
         return Problem("undecided-comparison", message, remedy=remedy, kind="undecided")
 
     def __iter__(self) -> Iterator[Any]:
@@ -160,8 +162,9 @@ class Answer:
 
 
 def _is_number(it: object) -> bool:
-    # Numbers of NumPy, too, without importing it.
-    return not isinstance(it, (bool, str)) and hasattr(it, "__float__") and not isinstance(it, Answer)
+    # Numbers of NumPy, too, without importing it; an array of several is none.
+    is_like_one = not isinstance(it, (bool, str)) and hasattr(it, "__float__") and not isinstance(it, Answer)
+    return is_like_one and getattr(it, "ndim", 0) == 0
 
 
 def as_fraction(number: Any) -> Any:

@@ -29,6 +29,8 @@ __all__ = [
     "monitor",
 ]
 
+_UNCHANGED: Mapping[str, float] = {}
+
 Ending = Literal["long_enough", "finite", "inconclusive", "weak", "strong"]
 PathLike = Union[str, os.PathLike[str]]
 
@@ -123,6 +125,11 @@ class Formula:
 
     A number without a unit has that of the signal it is compared with.
 
+    ``f weak_until[a, b] g`` asks for ``f`` at all times of the interval before which ``g`` has not held, now or later: ``g`` ends it even
+    if it holds before the interval begins, and need never hold. Before ``a`` and after ``b`` nothing is asked. (It is the dual of
+    ``until``: not ``(not g) until[a, b] (not f and not g)``, so that the negation of each is a formula of the language, too. It is not
+    ``f until[a, b] g or always[a, b] f``, whose first half asks for ``f`` from now on and for ``g`` within the interval.)
+
     >>> formula = Formula("always (speed < 0.25)")
     >>> found = formula.judge([0.0, 0.5, 1.0], speed=[0.1, 0.3, 0.2])
     >>> found.verdict, round(found.robustness.value, 9), found.explanation.to_secs
@@ -146,7 +153,7 @@ class Formula:
     ) -> None:
         text = _checked.text(text, "text", "a formula", "for example Formula(\"always speed < 2\")")
         given = _checked.mapping(parameters, "parameters", "seconds", "write parameters={\"late\": 2.0}")
-        seconds = {str(name): _checked.number(value, f"the parameter `{name}`") for name, value in given.items()}
+        seconds = {name: _checked.number(value, f"the parameter `{name}`") for name, value in given.items()}
         for word, name in ((time, "time"), (interpolation, "interpolation"), (ending, "ending")):
             _checked.text(word, name, "a word", "see help(corroborate.Formula)")
         self._formula = _engine.Formula(text, seconds, time, interpolation, ending)
@@ -183,6 +190,8 @@ class Formula:
         Raises:
             Problem: a name without a column, units that do not fit, times that are not in order.
         """
+        complete = _checked.flag(complete, "complete")
+        _checked.text(time_column, "time_column", "the name of a column", "write time_column=\"stamp\"")
         if times is not None and (hasattr(times, "columns") or isinstance(times, Mapping)):
             table = {str(name): times[name] for name in (times.columns if hasattr(times, "columns") else times)}
             if time_column not in table:
@@ -195,7 +204,9 @@ class Formula:
             raise Problem("bad-signals", "the times of the samples are missing", remedy="give them in seconds, first")
         if signals is not None:
             columns = {**_checked.mapping(signals, "signals", "columns", "write {\"speed\": [0.1, 0.2]}"), **columns}
-        units = _checked.mapping(units, "units", "units", "write units={\"speed\": \"mm/s\"}")
+        for name in columns:
+            _checked.text(name, "the name of a column", "a name", "name columns as the formula does")
+        units = _units(units)
         arrays = [_array(name, column) for name, column in columns.items()]
         declared = [(name, units.get(name, ""), array.dtype.char == "?") for name, array in zip(columns, arrays)]
         _known_units(units, columns)
@@ -242,31 +253,39 @@ class Monitor:
 
     def __init__(self, formula: Formula, signals: Union[Mapping[str, Any], Iterable[str]]) -> None:
         remedy = "write [\"speed\"], or {\"speed\": \"m/s\"} with units"
-        names = signals if isinstance(signals, Mapping) else dict.fromkeys(_checked.several(signals, "signals", "names", remedy), "")
-        given = {_checked.text(name, "the name of a signal", "a name", remedy): unit for name, unit in names.items()}
-        declared = [(name, "" if unit is bool else str(unit or ""), unit is bool) for name, unit in given.items()]
-        self.formula = formula
+        names = signals if isinstance(signals, Mapping) else _checked.several(signals, "signals", "names", remedy)
+        for name in names:
+            _checked.text(name, "the name of a signal", "a name", remedy)
+        given = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names, "")
+        declared = [(name, _unit(unit, name), unit is bool) for name, unit in given.items()]
+        self.formula = _checked.instance(formula, "formula", Formula, "a Formula", "write Formula(\"always speed < 1\").start([\"speed\"])")
         self._monitor = formula._formula.start(declared)
         self._places = {name: place for place, name in enumerate(given)}
         self._values = [math.nan] * len(declared)
 
-    def step(self, time_secs: float, values: Mapping[str, float] = {}, /, **signals: float) -> Union[Verdict, None]:
+    def step(self, time_secs: float, values: Mapping[str, float] = _UNCHANGED, /, **signals: float) -> Union[Verdict, None]:
         """Takes a sample: the signals that changed, the others keep their last value. Gives the verdict once nothing that comes
         can change it, ``None`` before."""
-        changed = {**values, **signals} if values else signals
+        changed = signals
+        if values is not _UNCHANGED:
+            changed = {**_checked.mapping(values, "values", "numbers", "write step(0.1, speed=0.2)"), **signals}
+        held = self._values
+        now = held.copy()
         for name, value in changed.items():
             try:
-                self._values[self._places[name]] = value
+                now[self._places[name]] = value
             except KeyError:
                 message = f"the monitor has no signal `{name}` (it has {', '.join(self._places)})"
                 raise Problem("bad-signals", message, remedy="declare it when the monitor is started") from None
         try:
-            verdict = self._monitor.step(time_secs, self._values)
-        except TypeError:
+            verdict = self._monitor.step(time_secs, now)
+        except (TypeError, OverflowError):
             # Only now, since a stream is long: which of them is not a number.
-            for name, value in [("time_secs", time_secs), *zip(self._places, self._values)]:
+            for name, value in [("time_secs", time_secs), *zip(self._places, now)]:
                 _checked.number(value, name)
             raise
+        # A sample that was refused has changed nothing.
+        self._values = now
         return None if verdict is None else Verdict(verdict)
 
     @property
@@ -282,7 +301,21 @@ class Monitor:
 
     def finish(self, *, complete: bool = True) -> Judgement:
         """Ends the stream; ``complete`` is ``False`` if it was cut short."""
-        return _judgement(self._monitor.finish(complete))
+        return _judgement(self._monitor.finish(_checked.flag(complete, "complete")))
+
+
+def _unit(unit: Any, name: str) -> str:
+    """The unit of a signal of a stream."""
+    if unit is None or unit is bool:
+        return ""
+    return _checked.text(unit, f"the unit of `{name}`", "a unit, or bool", f"write {{\"{name}\": \"m/s\"}}")
+
+
+def _units(units: Any) -> Mapping[str, str]:
+    """The units of columns."""
+    remedy = "write units={\"speed\": \"mm/s\"}"
+    given = _checked.mapping(units, "units", "units", remedy)
+    return {name: _checked.text(unit, f"the unit of `{name}`", "a unit", remedy) for name, unit in given.items()}
 
 
 def _row(values: Any, name: str) -> NDArray[Any]:
@@ -292,7 +325,7 @@ def _row(values: Any, name: str) -> NDArray[Any]:
     remedy = "give one value for each sample, shape (samples,)"
     try:
         array = np.asarray(values)
-    except (TypeError, ValueError) as error:
+    except Exception as error:  # Whatever an object's own conversion raises.
         raise Problem("bad-signals", f"`{name}` is not an array: {error}", remedy=remedy) from None
     if array.ndim == 1:
         return array
@@ -309,8 +342,11 @@ def _array(name: str, column: Any) -> NDArray[Any]:
     if array.dtype.kind in "iuf":
         return array.astype(np.float64)
     try:
+        # Texts that could be read as numbers, dates and complex numbers are not what is meant by numbers.
+        if array.dtype.kind != "O":
+            raise TypeError
         return array.astype(np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         message = f"`{name}`, a column of the type {array.dtype}, is neither numbers nor truth values"
         raise Problem("bad-signals", message, remedy="leave it out, or give numbers for its values") from None
 
@@ -324,8 +360,10 @@ def _times(times: Any) -> NDArray[np.float64]:
         seconds: NDArray[np.float64] = (array - array[:1]) / np.timedelta64(1, "s")
         return seconds
     try:
+        if array.dtype.kind not in "iufO":
+            raise TypeError
         return np.asarray(array, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         message = f"times of the type {array.dtype} are not seconds"
         raise Problem("bad-signals", message, remedy="give them as numbers, or as dates of NumPy (datetime64)") from None
 
@@ -412,6 +450,7 @@ def monitor(
     """
     given = _checked.several(formulas, "formulas", "formulas", "write formulas=[\"always /robot.speed < 1\"]")
     read = [it if isinstance(it, Formula) else Formula(it) for it in given]
+    progress = _checked.optional_callback(progress, "progress")
     kinds = {(it.time, it.ending) for it in read} or {("discrete", "long_enough")}
     if len(kinds) > 1:
         raise Problem("bad-setting", "the formulas differ in `time` or `ending`", remedy="judge them one after another")
@@ -425,7 +464,7 @@ def monitor(
         "ending": ending,
         "time": time,
         "map": None if map is None else _checked.path(map, "map", "a topic map", "name its file"),
-        "partial": partial,
+        "partial": _checked.flag(partial, "partial"),
     }
     report = _engine.monitor_recordings(asked, progress)
     judged = (_recording(it, verdict) for it in report["recordings"] for verdict in it["verdicts"])

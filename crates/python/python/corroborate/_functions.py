@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import math
 import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,6 +22,9 @@ _OPERATORS = {
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
 }
+
+# Digits in base two of the largest exact power: computed within a second.
+_MOST_BITS = 10_000_000
 
 Region = dict[str, tuple[Fraction, Fraction]]
 
@@ -46,34 +50,68 @@ class RationalFunction:
             message = f"the function has the parameters {', '.join(self.parameters)} (got {', '.join(values) or 'none'})"
             raise Problem("bad-parameters", message, remedy=f"call it with {', '.join(f'{it}=...' for it in self.parameters)}")
         exact = {name: _fraction(value) for name, value in values.items()}
-        value: Union[Fraction, float] = _evaluated(self._tree, exact)
+        try:
+            value: Union[Fraction, float] = _evaluated(self._tree, exact)
+        except ZeroDivisionError:
+            message = f"the function has no value at {_point(values)}: its denominator is 0 there"
+            raise Problem("bad-parameters", message, remedy="give another point; `derivatives` may be there, too") from None
         return value
 
     @cached_property
     def _tree(self) -> ast.expr:
-        return ast.parse(self.text.replace("^", "**"), mode="eval").body
+        try:
+            return ast.parse(self.text.replace("^", "**"), mode="eval").body
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            raise _not_a_function(self.text) from None
 
     def __str__(self) -> str:
         return self.text
 
 
 def _fraction(value: Any) -> Fraction:
-    return Fraction(value) if isinstance(value, (int, Fraction)) else Fraction(repr(_checked.number(value, "a parameter's value")))
+    if isinstance(value, (int, Fraction)):
+        return Fraction(value)
+    number = _checked.number(value, "a parameter's value")
+    if not math.isfinite(number):
+        raise Problem("bad-parameters", f"a parameter's value must be finite (got {number})", remedy="give a number, for example 0.5")
+    return Fraction(repr(number))
+
+
+def _point(values: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name}={_checked.shown(value)}" for name, value in values.items())
+
+
+def _not_a_function(text: str) -> Problem:
+    said = text if len(text) < 100 else text[:100] + "..."
+    return Problem("bad-parameters", f"`{said}` is not a rational function", remedy="take functions from an answer's `parametric`")
+
+
+def _power(base: Fraction | float, exponent: int) -> Fraction | float:
+    """A power, unless its digits alone would take minutes."""
+    if isinstance(base, Fraction):
+        digits = max(abs(base.numerator), base.denominator).bit_length() if base not in (0, 1, -1) else 0
+        if digits * abs(exponent) > _MOST_BITS:
+            message = f"a power in the function has the exponent {exponent}, so that its exact value has too many digits"
+            raise Problem("bad-parameters", message, remedy="give values with fewer digits, for example 0.5")
+    return base**exponent
 
 
 def _evaluated(node: ast.expr, values: Mapping[str, Fraction]) -> Any:
-    if isinstance(node, ast.Constant):
+    if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
         return Fraction(repr(node.value))
     if isinstance(node, ast.Name):
-        return {"Infinity": float("inf"), "NaN": float("nan"), **values}[node.id]
+        known = {"Infinity": float("inf"), "NaN": float("nan"), **values}
+        if node.id not in known:
+            raise _not_a_function(node.id)
+        return known[node.id]
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         return -_evaluated(node.operand, values)
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
-        return _evaluated(node.left, values) ** int(_evaluated(node.right, values))
+        return _power(_evaluated(node.left, values), int(_evaluated(node.right, values)))
     if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
         left, right = _evaluated(node.left, values), _evaluated(node.right, values)
         return _OPERATORS[type(node.op)](left, right)
-    raise ValueError(f"not part of a rational function: {ast.dump(node)}")
+    raise _not_a_function(ast.unparse(node))
 
 
 @dataclass(frozen=True)
@@ -113,8 +151,7 @@ class Parametric:
         for part in self.parts:
             if all(low <= exact.get(name, low - 1) <= high for name, (low, high) in part.region.items()):
                 return part.function(**values)
-        point = ", ".join(f"{name}={value}" for name, value in values.items())
-        raise Problem("bad-parameters", f"there is no answer at {point}", remedy="give each parameter a value of its range, outside of `undecided`")
+        raise Problem("bad-parameters", f"there is no answer at {_point(values)}", remedy="give each parameter a value of its range, outside of `undecided`")
 
 
 def parametric(report: Mapping[str, Any]) -> Parametric:

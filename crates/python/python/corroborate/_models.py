@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Union, overload
 from . import _checked, _engine
 from ._answers import Answer, Witness
 from ._functions import parametric
-from ._problem import Problem
+from ._problem import Problem, WrongArgument
 from ._space import StateSpace
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class Model:
             Problem: at the place of the first mistake, with all others as ``related``.
         """
         text = _checked.text(text, "text", "a model in the PRISM language", "Model.load(path) reads a file")
-        return cls._of(_engine.Model.parse(text, name))
+        return cls._of(_engine.Model.parse(text, _checked.text(name, "name", "a name", "write name=\"gripper.prism\"")))
 
     @classmethod
     def load(cls, path: Union[str, os.PathLike[str]]) -> Model:
@@ -109,6 +109,9 @@ class Model:
         """A stormvogel model (``dtmc``, ``ctmc`` or ``mdp``) with its labels, valuations and rewards."""
         from . import _stormvogel
 
+        if not all(hasattr(model, part) for part in ("get_type", "states", "transitions", "rewards")):
+            message = f"model is a model of stormvogel 0.1, not {type(model).__name__}"
+            raise WrongArgument("wrong-argument", message, remedy="make one with stormvogel.model.new_dtmc() and such; Model.parse reads a text")
         return cls.parse(_stormvogel.to_prism(model), name="<stormvogel>")
 
     def to_stormvogel(self, *, constants: Constants = {}) -> StormvogelModel:
@@ -217,19 +220,19 @@ class Model:
             Problem: what is wrong with model, constants or property, at its place; what is not supported; a limit that ended
                 the work before there were bounds.
         """
-        is_one = isinstance(property, str)
+        is_one, is_file = isinstance(property, str), isinstance(property, os.PathLike)
         asked = {
-            "properties": [] if isinstance(property, os.PathLike) else _properties(property),
-            "files": [os.fspath(property)] if isinstance(property, os.PathLike) else [],
+            "properties": [] if is_file else _properties(property),
+            "files": [_checked.path(property, "property", "a file of properties", "name its file")] if is_file else [],
             "constants": _constants(constants),
             "open": _open(open),
             "method": _method(method),
             "precision": _checked.number(precision, "precision"),
             "max_states": None if max_states is None else _checked.whole(max_states, "max_states"),
             "timeout_secs": None if timeout is None else _checked.number(timeout, "timeout"),
-            "witness": witness,
-            "certify": certify,
-            "fair": fair,
+            "witness": _checked.flag(witness, "witness"),
+            "certify": _checked.flag(certify, "certify"),
+            "fair": _checked.flag(fair, "fair"),
             "scheduler": False,
         }
         report, _ = self._model.check(asked)
@@ -239,7 +242,7 @@ class Model:
     def scheduler(self, property: str, /, *, constants: Constants = {}, method: str = "sound", fair: bool = False) -> Scheduler:
         """The scheduler that attains the answer to a property such as ``Pmax=? [ F "done" ]``, with the memory it needs."""
         asked = {
-            "properties": [_checked.text(property, "property", "a property", "for example Pmax=? [ F \"done\" ]")],
+            "properties": [_property(property, "property", "for example Pmax=? [ F \"done\" ]")],
             "files": [],
             "constants": _constants(constants),
             "open": None,
@@ -249,7 +252,7 @@ class Model:
             "timeout_secs": None,
             "witness": False,
             "certify": False,
-            "fair": fair,
+            "fair": _checked.flag(fair, "fair"),
             "scheduler": True,
         }
         report, written = self._model.check(asked)
@@ -281,9 +284,19 @@ def _properties(property: Any) -> list[str]:
     """One text, or several."""
     remedy = "for example P=? [ F \"done\" ], or a pathlib.Path of a file of properties"
     if isinstance(property, str):
-        return [property]
+        return [_property(property, "property", remedy)]
     found = _checked.several(property, "property", "texts, one text or the path of a file", remedy)
-    return [_checked.text(it, f"property[{place}]", "a property", remedy) for place, it in enumerate(found)]
+    if not found:
+        raise Problem("wrong-argument", "property is an empty list, so that nothing is asked", remedy=remedy)
+    return [_property(it, f"property[{place}]", remedy) for place, it in enumerate(found)]
+
+
+def _property(property: Any, name: str, remedy: str) -> str:
+    """One text that asks something."""
+    found = _checked.text(property, name, "a property", remedy)
+    if found.strip():
+        return found
+    raise Problem("wrong-argument", f"{name} is an empty text, so that nothing is asked", remedy=remedy)
 
 
 def _method(method: Any) -> str:
@@ -315,8 +328,14 @@ def _constants(constants: Constants) -> str:
 def _number(name: str, value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, (int, Fraction, str)):
-        return str(value)
+    if isinstance(value, str):
+        return _checked.text(value, f"the value of `{name}`", "a number", "give a number, for example 0.9")
+    if isinstance(value, (int, Fraction)):
+        try:
+            return str(value)
+        except ValueError:
+            message = f"the value of `{name}` has more digits than Python writes"
+            raise Problem("bad-constants", message, remedy="give a number of at most 4300 digits") from None
     number = value if isinstance(value, float) else _checked.number(value, f"the value of `{name}`")
     if isinstance(value, float) or not number.is_integer() or "int" not in type(value).__name__:
         if number != number or number in (float("inf"), float("-inf")):

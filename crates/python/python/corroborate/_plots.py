@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Union
 
-from ._problem import Problem
+from . import _checked
+from ._problem import Problem, WrongArgument
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,12 +19,12 @@ _MARKS = {"model-checking": "D", "simulation": "o", "experiment": "s", "operatio
 
 def forest_plot(result: StudyResult, ax: Union[Axes, None] = None, subject: Union[str, None] = None) -> Axes:
     """Each piece of evidence in a row: the rate or probability, its interval, and what is required as a dashed line."""
-    try:
-        from matplotlib import pyplot
-    except ImportError:
-        message = "plots need matplotlib, which is not installed"
-        raise Problem("no-matplotlib", message, remedy="pip install matplotlib", kind="undecided") from None
-
+    pyplot = _checked.needed("matplotlib", "forest_plot", module="matplotlib.pyplot")
+    if subject is not None:
+        _checked.text(subject, "subject", "a requirement or failure mode", f"name one of {', '.join(result.requirements)}")
+    if ax is not None and not hasattr(ax, "set_yticks"):
+        message = f"ax is an Axes of matplotlib or None, not {type(ax).__name__}"
+        raise WrongArgument("wrong-argument", message, remedy="make one with matplotlib.pyplot.subplots()")
     rows = [it for it in result.evidence.rows() if it["estimate"] is not None and _is_asked(it, subject)]
     if not rows:
         raise Problem("no-evidence", f"there is no figure on {subject or 'any requirement'}", remedy="name a requirement or failure mode")

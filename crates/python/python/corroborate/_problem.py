@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-__all__ = ["InternalError", "Problem", "WrongArgument"]
+__all__ = ["InternalError", "Problem", "UnknownColumn", "WrongArgument"]
 
 
 class Problem(ValueError):
     """What is wrong with the input or the call, where, and what to do about it.
 
     The one exception of this package for wrong input, whatever the input is: a model, a formula, a recording, counts, a
-    study. (Ctrl-C is ``KeyboardInterrupt`` as always; a mistake of ours is :class:`InternalError`.)
+    study, an argument of the wrong kind (:class:`WrongArgument`, which is a ``TypeError``, too), a name that a table does not have
+    (:class:`UnknownColumn`, which is a ``KeyError``, too).
+
+    What is not a ``Problem``: a call that does not fit the signature, and an operator between things that do not go together
+    (``answer < "much"``, ``bool(answer)`` of a number), are Python's own ``TypeError``; Ctrl-C is ``KeyboardInterrupt``; what a callback
+    of yours raises is raised as it is; a mistake of ours is :class:`InternalError`.
 
     Attributes:
         code: names the kind of problem; ``corroborate explain CODE`` says more.
@@ -77,6 +82,12 @@ class WrongArgument(Problem, TypeError):
     ...     print(problem.message)
     successes is a whole number, not str
     """
+
+    __module__ = "corroborate"
+
+
+class UnknownColumn(Problem, KeyError):
+    """A :class:`Problem` whose cause is a column that a table does not have. It is a ``KeyError``, too."""
 
     __module__ = "corroborate"
 

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 __all__ = ["Matrix", "Path", "Rewards", "StateSpace"]
 
 
+_MOST_STEPS = 100_000_000
+
+
 class Matrix(NamedTuple):
     """A sparse matrix in compressed rows: row ``r`` has the entries ``indptr[r]`` to ``indptr[r + 1]``."""
 
@@ -27,8 +30,7 @@ class Matrix(NamedTuple):
 
     def to_scipy(self) -> Any:
         """As ``scipy.sparse.csr_array``, without copying the numbers."""
-        from scipy.sparse import csr_array
-
+        csr_array = _checked.needed("scipy", "to_scipy", module="scipy.sparse").csr_array
         rows = len(self.indptr) - 1
         columns = max(rows, int(self.indices.max()) + 1 if len(self.indices) else 0)
         return csr_array((self.data, self.indices, self.indptr), shape=(rows, columns))
@@ -66,7 +68,7 @@ class StateSpace:
     """
 
     def __init__(self, space: _engine.StateSpace) -> None:
-        self._space = space
+        self._space = _checked.instance(space, "space", _engine.StateSpace, "what the engine built", "states are built by Model.build()")
 
     def __len__(self) -> int:
         """The number of states."""
@@ -142,8 +144,8 @@ class StateSpace:
 
     def path(self, *, seed: int, max_steps: int = 1_000) -> Path:
         """A random path of a chain from its first initial state, the same for the same seed; it ends in a state that cannot be
-        left, or after ``max_steps`` transitions."""
-        found = self._space.path(_checked.whole(seed, "seed"), _checked.whole(max_steps, "max_steps"))
+        left, or after ``max_steps`` transitions (at most 100 million, which take 1.6 GB)."""
+        found = self._space.path(_checked.whole(seed, "seed"), _checked.whole(max_steps, "max_steps", _MOST_STEPS))
         if found is None:
             message = f"a {self.kind} leaves choices open, so that its paths have no distribution"
             raise Problem("open-choices", message, remedy="sample a dtmc or ctmc, for example the chain of a scheduler")

@@ -114,6 +114,9 @@ def _rewards(model: Any, place: dict[int, int]) -> list[str]:
 
 def from_space(space: StateSpace) -> Any:
     """The states as a stormvogel model."""
+    from . import _checked
+
+    _checked.needed("stormvogel", "to_stormvogel", module="stormvogel.model")
     from stormvogel.model import Branch, EmptyAction, ModelType, Transition, new_model
 
     model = new_model(ModelType[space.kind.upper()], create_initial_state=False)

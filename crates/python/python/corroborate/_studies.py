@@ -162,13 +162,13 @@ class Study:
             progress: called with each event, a dictionary: ``{"event": "started", "stage": 0, "title": ..., "total": ...}``,
                 ``advanced`` (with ``done`` and ``left_secs``), ``finished``, ``note``. What it raises ends the run.
         """
-        return StudyResult(_engine.study_run(self._asked(()), self._surroundings(), progress), self.out)
+        return StudyResult(_engine.study_run(self._asked(()), self._surroundings(), _checked.optional_callback(progress, "progress")), self.out)
 
     def produce(self, *evidence: str, progress: Progress = None) -> list[Produced]:
         """Produces only the evidence with these identifiers, and compares nothing. What is fresh is taken as it was kept."""
         if not evidence:
             raise Problem("unknown-evidence", "no evidence is named", remedy=f"the ledger has {', '.join(self.evidence)}")
-        found = _engine.study_run(self._asked(evidence), self._surroundings(), progress)
+        found = _engine.study_run(self._asked(evidence), self._surroundings(), _checked.optional_callback(progress, "progress"))
         return [Produced(it["evidence"]["id"], it["headline"], it["evidence"]) for it in found]
 
     def shard(
@@ -191,7 +191,7 @@ class Study:
         """
         named = _checked.path(out, "out", "a folder", "name the folder of the shard")
         which = (_checked.whole(shard, "shard"), _checked.whole(of, "of"))
-        return _engine.study_shard(self._asked(only), which, named, self._surroundings(), progress)
+        return _engine.study_shard(self._asked(only), which, named, self._surroundings(), _checked.optional_callback(progress, "progress"))
 
     def merge(self, *shards: PathLike) -> dict[str, Any]:
         """Takes the episodes of shards over into the results, after which ``run`` simulates none of them again.
@@ -270,9 +270,9 @@ class Study:
             "key": named(key, "key", "a key"),
             "sboms": [_checked.path(it, f"sboms[{place}]", "a bill of materials", "name its file") for place, it in enumerate(listed)],
             "pdf": named(pdf, "pdf", "a PDF"),
-            "with_recordings": bool(with_recordings),
+            "with_recordings": _checked.flag(with_recordings, "with_recordings"),
         }
-        found = _engine.study_pack(self._asked(()), asked, self._surroundings(), progress)
+        found = _engine.study_pack(self._asked(()), asked, self._surroundings(), _checked.optional_callback(progress, "progress"))
         not_shown = tuple((it["of"], it["words"]) for it in found["not_shown"])
         return Pack(pathlib.Path(found["pack"]), found["bytes"], found["sha256"], found["parts"], found["signed_by"], not_shown)
 
@@ -284,7 +284,7 @@ class StudyResult:
     """What a study amounts to."""
 
     def __init__(self, outcome: _engine.StudyOutcome, folder: pathlib.Path) -> None:
-        self._outcome = outcome
+        self._outcome = _checked.instance(outcome, "outcome", _engine.StudyOutcome, "what the engine found", "results come from Study.run() and Study.result()")
         self.folder = folder
 
     @cached_property
@@ -329,6 +329,7 @@ class StudyResult:
 
     def episodes(self, evidence: str) -> pathlib.Path:
         """The Parquet table of a simulation's episodes, one row each: ``polars.read_parquet(result.episodes("E4"))``."""
+        _checked.path(evidence, "evidence", "an evidence's episodes", "name a simulation of the ledger, for example \"E4\"")
         found = sorted((self.folder / "episodes" / evidence).glob("episodes*.parquet"))
         if not found:
             message = f"{evidence} has no table of episodes in {self.folder}"
@@ -342,8 +343,8 @@ class StudyResult:
         return forest_plot(self, ax, subject)
 
     def summary(self, width: int = 100) -> str:
-        """As ``corroborate run`` prints it."""
-        return self._outcome.text(width)
+        """As ``corroborate run`` prints it, in lines of so many characters (at most 10 000)."""
+        return self._outcome.text(_checked.whole(width, "width", 10_000))
 
     def html(self) -> str:
         """The report: one page that opens offline."""

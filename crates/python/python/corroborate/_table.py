@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from . import _engine
+from . import _checked, _engine
+from ._problem import UnknownColumn
 
 __all__ = ["Table"]
 
@@ -17,7 +18,7 @@ class Table:
     __slots__ = ("_table",)
 
     def __init__(self, table: _engine.Table) -> None:
-        self._table = table
+        self._table = _checked.instance(table, "table", _engine.Table, "what the engine made", "tables are those of StudyResult, `evidence` and `comparisons`")
 
     def __len__(self) -> int:
         """The number of rows."""
@@ -29,7 +30,15 @@ class Table:
         return self._table.names
 
     def __getitem__(self, name: str) -> list[Any]:
-        """A column as a list, ``None`` where a value is missing."""
+        """A column as a list, ``None`` where a value is missing.
+
+        Raises:
+            UnknownColumn: a :class:`corroborate.Problem` that is a ``KeyError``, too.
+        """
+        remedy = f"the columns are {', '.join(self.columns)}"
+        _checked.text(name, "name", "the name of a column", remedy)
+        if name not in self.columns:
+            raise UnknownColumn("unknown-column", f"the table has no column `{name}`", remedy=remedy)
         return self._table.column(name)
 
     def rows(self) -> list[dict[str, Any]]:
@@ -39,20 +48,17 @@ class Table:
 
     def to_pandas(self) -> Any:
         """As a ``pandas.DataFrame``; its values are copied."""
-        import pandas
-
+        pandas = _checked.needed("pandas", "to_pandas")
         return pandas.DataFrame({name: self[name] for name in self.columns})
 
     def to_polars(self) -> Any:
         """As a ``polars.DataFrame``, over the same memory."""
-        import polars
-
+        polars = _checked.needed("polars", "to_polars")
         return polars.DataFrame(self)
 
     def to_pyarrow(self) -> Any:
         """As a ``pyarrow.Table``, over the same memory."""
-        import pyarrow
-
+        pyarrow = _checked.needed("pyarrow", "to_pyarrow")
         return pyarrow.table(self)
 
     def __arrow_c_schema__(self) -> Any:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from . import _checked
+from ._problem import Problem
+
 __all__ = ["requirement"]
 
 
@@ -33,6 +36,17 @@ def requirement(
     >>> test_grasp.pytestmark[0].args
     ('REQ-7',)
     """
+    remedy = "write @corroborate.requirement(\"REQ-7\") above the test"
+    name = _checked.text(name, "name", "the requirement that the test verifies", remedy)
+    if not name:
+        raise Problem("wrong-argument", "name is empty, and a requirement needs one", remedy=remedy)
+    for setting, value in (("at_least", at_least), ("confidence", confidence), ("margin", margin)):
+        _checked.number(value, setting)
+    max_trials, max_errors, stream = _whole(max_trials, "max_trials", 1), _whole(max_errors, "max_errors"), _whole(stream, "stream")
+    if _checked.text(on_error, "on_error", "a word", "write on_error=\"unknown\"") not in ("unknown", "failure"):
+        message = f"`on_error` cannot be `{on_error}`"
+        raise Problem("bad-setting", message, remedy="it can be unknown, failure")
+    _checked.needed("pytest", "requirement")
     import pytest_corroborate
 
     return pytest_corroborate.requirement(
@@ -45,3 +59,11 @@ def requirement(
         on_error=on_error,
         stream=stream,
     )
+
+
+def _whole(value: Any, name: str, least: int = 0) -> int:
+    found = _checked.whole(value, name)
+    if found < least or isinstance(value, bool):
+        message = f"{name} must be a whole number of at least {least} (got {value})"
+        raise Problem("wrong-argument", message, remedy=f"write {name}=10, for example")
+    return found

@@ -43,7 +43,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Optional, Protocol, Union
 
-from ._problem import Problem
+from . import _checked
+from ._problem import Problem, WrongArgument
 from ._rig_protocol import Cell, Episode, Recording, main
 
 __all__ = ["Rig", "Sample", "Stimulus", "episode", "of_gymnasium", "serve"]
@@ -71,7 +72,10 @@ class Rig(Protocol):
 
 def episode(rig: Union[Rig, Callable[[], Rig]], stimulus: Stimulus, *, most_steps: int = 10_000_000) -> Recording:
     """The recording of one episode; a class, or what makes a rig, is called for a new one."""
-    made: Rig = rig() if callable(rig) else rig
+    most_steps = _checked.whole(most_steps, "most_steps")
+    made = _made(rig)
+    remedy = "give a rig.Stimulus, for example rig.Stimulus(seed=1, test=\"drive\")"
+    stimulus = _checked.instance(stimulus, "stimulus", Episode, "a Stimulus", remedy)
     recording = Recording(made.signals)
     first = made.reset(stimulus.seed, stimulus)
     if first is not None:
@@ -83,6 +87,18 @@ def episode(rig: Union[Rig, Callable[[], Rig]], stimulus: Stimulus, *, most_step
         recording.row(sample[0], *sample[1])
     message = f"the episode of seed {stimulus.seed} is not over after {most_steps} steps"
     raise Problem("bad-rig", message, remedy="let `step` give None when it is over, or raise `most_steps`")
+
+
+def _made(rig: Any) -> Rig:
+    made: Rig = rig() if callable(rig) else rig
+    missing = [name for name in ("signals", "reset", "step") if not hasattr(made, name)]
+    if missing:
+        message = f"rig is a class or object with `signals`, `reset` and `step`, and {type(made).__name__} has no `{missing[0]}`"
+        raise WrongArgument("wrong-argument", message, remedy="see help(corroborate.rig)")
+    signals = _checked.mapping(made.signals, "signals", "units", "write signals = {\"/cart.speed\": \"m/s\"}")
+    for name, unit in signals.items():
+        _checked.text(unit, f"the unit of `{name}`", "a unit", "write \"\" for none")
+    return made
 
 
 def serve(rig: Union[Rig, Callable[[], Rig]], arguments: Optional[Sequence[str]] = None) -> None:
@@ -129,4 +145,8 @@ def of_gymnasium(make: Callable[[], Any], policy: Optional[Callable[[Any], Any]]
     ``/observation.value_0`` and so on, ``/reward.value``, ``/reward.total``, ``/end.terminated``, ``/end.truncated``. Settings
     ``reset.KEY`` of the stimulus go to the options of ``reset``. (``integrations/gymnasium`` names observations, and takes
     environments by name.)"""
-    return lambda: _Environment(make, policy, step_secs)
+    for name, value in (("make", make), ("policy", policy)):
+        if _checked.optional_callback(value, name) is None and name == "make":
+            raise WrongArgument("wrong-argument", "make is a function that makes the environment, not None", remedy="write lambda: gymnasium.make(...)")
+    seconds = _checked.number(step_secs, "step_secs")
+    return lambda: _Environment(make, policy, seconds)

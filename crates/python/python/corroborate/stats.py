@@ -1,7 +1,8 @@
 """Statistics of counted trials, for those who would otherwise use a test for something else than it is for.
 
 Counts are pairs ``(successes, trials)``. Every result says in its fields what was asked and what was found; rates are between
-0 and 1. All functions raise :class:`corroborate.Problem` for counts and settings that make no sense.
+0 and 1. All functions raise :class:`corroborate.Problem` for counts and settings that make no sense; counts go up to 2^53, beyond
+which a computed number does not tell one from the next.
 
 =====================================  =========================================================
 question                               answered by
@@ -27,7 +28,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from . import _checked, _engine
-from ._problem import Problem
+from ._problem import Problem, WrongArgument
 
 __all__ = [
     "ClusteredRate",
@@ -113,8 +114,11 @@ class Difference:
     high: float
     """Upper end of the interval."""
     p_value: float
-    """Against "the rates are equal", two-sided, by Boschloo's exact test (Fisher's beyond 4000 trials). It is another
-    procedure than the interval: near the level one may speak where the other does not."""
+    """Against "the rates are equal", two-sided, by Boschloo's exact test (Fisher's beyond 4000 trials in all). Its statistic is
+    Fisher's *two-sided* p-value: a table counts as at least as extreme if that is not larger, whichever side it lies on; the
+    p-value is the largest probability of such tables at any common rate, so that it is never above Fisher's. SciPy's
+    ``boschloo_exact`` orders tables by Fisher's *one-sided* p-value and doubles the smaller side's result: it need not agree, and
+    is mostly larger. The test is another procedure than the interval: near the level one may speak where the other does not."""
     confidence: float
 
 
@@ -129,7 +133,7 @@ class Equivalence:
 
     def shown(self, alpha: float = 0.05) -> bool:
         """Whether agreement is shown at the significance level ``alpha``. Not shown is not the contrary."""
-        return self.p_value <= alpha
+        return self.p_value <= _checked.number(alpha, "alpha")
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +186,9 @@ class Paired:
     difference: float
     """Rate of the second minus rate of the first."""
     low: float
-    """Lower end of the interval of the difference (Tango's score interval)."""
+    """Lower end of the interval of the difference: Tango's score interval, made to reach 0 where the exact test (``p_value``) does not
+    reject "nothing differs". Tango's alone excludes 0 where no exact test can: of 4 pairs that all change one way ``p_value`` is
+    0.125. So an interval without 0 always goes with a ``p_value`` below ``1 - confidence``, and it may be wider than other programs'."""
     high: float
     p_value: float
     """Against "nothing differs", two-sided and exact (McNemar)."""
@@ -194,7 +200,9 @@ class Heterogeneity:
     """Whether several rates are one, and what they are together."""
 
     q: float
-    """Cochran's Q of the log odds."""
+    """Cochran's Q of the log odds, half a success and half a failure having been added to *every* sample, also where no cell is 0:
+    so a rate of 0 or 1 has finite log odds, which are less biased in small samples, and one more trial never makes a jump. Programs
+    that add to samples with a zero alone give slightly other figures."""
     degrees: int
     p_value: float
     """Against "all rates are equal"."""
@@ -239,7 +247,8 @@ test_rate.__test__ = False  # type: ignore[attr-defined]
 def difference(first: Counts, second: Counts, *, confidence: float = 0.95) -> Difference:
     """The difference of two rates of independent samples, first minus second.
 
-    A large p-value does not show that the rates agree: that is :func:`equivalence`.
+    A large p-value does not show that the rates agree: that is :func:`equivalence`. The p-value is Boschloo's, with Fisher's two-sided
+    p-value for its statistic (:attr:`Difference.p_value`). Work grows with the root of the trials: seconds at 10^15.
 
     >>> found = difference((80, 100), (88, 100))
     >>> round(found.estimate, 2), round(found.p_value, 3)
@@ -260,7 +269,8 @@ def equivalence(
 ) -> Equivalence:
     """Whether two rates differ by less than ``margin``.
 
-    ``exact`` errs at most at its level, whatever the true rates are; ``score`` and ``tost`` (Agresti-Caffo) are approximate.
+    ``exact`` errs at most at its level, whatever the true rates are, and is given up to a hundred million trials of each; ``score`` and
+    ``tost`` (Agresti-Caffo) are approximate.
 
     >>> found = equivalence((960, 1000), (955, 1000), margin=0.05)
     >>> found.shown(alpha=0.05)
@@ -275,7 +285,7 @@ def equivalence(
 
 def _trials(successes: Any, trials: Any, share: Any, name: str = "confidence") -> tuple[int, int, float]:
     """Two counts and a number."""
-    return _checked.whole(successes, "successes"), _checked.whole(trials, "trials"), _checked.number(share, name)
+    return _checked.trials(successes, "successes"), _checked.trials(trials, "trials"), _checked.number(share, name)
 
 
 def _pairs(counts: Any, name: str) -> list[Counts]:
@@ -310,7 +320,7 @@ def _succeeded(outcome: Any) -> bool:
     except (TypeError, ValueError):
         is_truth = False
     if not is_truth:
-        message = f"an outcome is `{outcome}`, which is neither true nor false"
+        message = f"an outcome is `{_checked.shown(outcome)}`, which is neither true nor false"
         raise Problem("bad-statistics", message, remedy="leave out trials without an outcome, and write True or False, or 1 or 0")
     return bool(outcome)
 
@@ -329,7 +339,11 @@ def clusters_of(outcomes: Iterable[Any], groups: Iterable[Any]) -> list[Counts]:
         message = f"there are {len(outcomes)} outcomes and {len(groups)} labels of groups"
         raise Problem("bad-statistics", message, remedy="give each trial one of both")
     for outcome, group in zip(outcomes, groups):
-        counts = found.setdefault(group, [0, 0])
+        try:
+            counts = found.setdefault(group, [0, 0])
+        except TypeError:
+            message = f"a label of a group is a {type(group).__name__}, which cannot be told from others"
+            raise WrongArgument("wrong-argument", message, remedy="give one text or number for each trial, shape (trials,)") from None
         counts[0] += _succeeded(outcome)
         counts[1] += 1
     return [(successes, trials) for successes, trials in found.values()]
@@ -470,7 +484,7 @@ def power(
     True
     """
     first, second = _two(trials, "trials", "counts")
-    trials = _checked.whole(first, "trials[0]"), _checked.whole(second, "trials[1]")
+    trials = _checked.trials(first, "trials[0]"), _checked.trials(second, "trials[1]")
     return _stats.power(_rates(rates), trials, _margin(margin), _checked.number(confidence, "confidence"))
 
 
@@ -485,7 +499,8 @@ def paired(
 ) -> Paired:
     """The same scenarios with two systems: outcomes (true or false) in the same order, or the counts of pairs.
 
-    Counting both alone would take the pairs for independent samples.
+    Counting both alone would take the pairs for independent samples. The interval never contradicts the test, for which it is made
+    wider than Tango's (:attr:`Paired.low`).
 
     >>> found = paired(pairs=100, only_first=3, only_second=13)
     >>> round(found.difference, 2), round(found.low, 4), round(found.high, 4), round(found.p_value, 3)
@@ -504,8 +519,8 @@ def paired(
     if pairs is None or only_first is None or only_second is None:
         message = "pairs are given by two lists of outcomes, or by all three counts"
         raise Problem("bad-statistics", message, remedy="write paired(first, second)")
-    pairs, confidence = _checked.whole(pairs, "pairs"), _checked.number(confidence, "confidence")
-    only_first, only_second = _checked.whole(only_first, "only_first"), _checked.whole(only_second, "only_second")
+    pairs, confidence = _checked.trials(pairs, "pairs"), _checked.number(confidence, "confidence")
+    only_first, only_second = _checked.trials(only_first, "only_first"), _checked.trials(only_second, "only_second")
     change, (low, high), p_value = _stats.paired(pairs, only_first, only_second, confidence)
     return Paired(pairs, only_first, only_second, change, low, high, p_value, confidence)
 
@@ -525,7 +540,8 @@ def holm(p_values: Iterable[float]) -> list[float]:
 
 
 def heterogeneity(counts: Sequence[Counts], *, confidence: float = 0.95) -> Heterogeneity:
-    """Whether several rates are equal, and their mean with random effects (DerSimonian and Laird, of log odds).
+    """Whether several rates are equal, and their mean with random effects (DerSimonian and Laird, of log odds). To all cells of all
+    samples 0.5 is added (:attr:`Heterogeneity.q` says why).
 
     >>> heterogeneity([(90, 100), (60, 100), (95, 100)]).p_value < 0.001
     True
