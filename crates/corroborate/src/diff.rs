@@ -90,6 +90,15 @@ pub struct VerdictChange {
     pub statement: String,
 }
 
+/// A requirement that has another identifier now: none of the two results has both, and the text is the same and no other's.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct Renamed {
+    /// Its identifier before.
+    pub before: String,
+    /// Its identifier now, by which everything else here names it.
+    pub after: String,
+}
+
 /// What a requirement asks for in both results, where that is not the same: its verdicts are then answers to two questions.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct AskedChange {
@@ -149,6 +158,8 @@ pub struct DiffReport {
     pub confidence: f64,
     /// Every piece of evidence of either.
     pub evidence: Vec<EvidenceChange>,
+    /// Requirements that have another identifier now.
+    pub renamed: Vec<Renamed>,
     /// Every requirement of either.
     pub verdicts: Vec<VerdictChange>,
     /// Requirements of both that do not ask for the same.
@@ -165,14 +176,17 @@ pub struct DiffReport {
 /// `not-run` where there is no result, `bad-result` for one that cannot be read.
 pub fn diff(request: &DiffRequest) -> Result<DiffReport, Problem> {
     let [old, new] = [&request.old, &request.new].map(|path| read_result_file(&file_of(path)));
-    let (old, new) = (old?, new?);
+    let (mut old, new) = (old?, new?);
+    let renamed = renamed(&old, &new);
+    renamed.iter().for_each(|it| rename(&mut old, it));
     let evidence = evidence_changes(&old, &new);
     let again: Vec<(&Evidence, &Evidence)> = (evidence.iter())
         .filter(|it| it.fate == Fate::ProducedAgain)
         .filter_map(|it| Some((piece(&old, &it.id)?, piece(&new, &it.id)?)))
         .collect();
     Ok(DiffReport {
-        format: "1.0".into(),
+        format: "1.1".into(),
+        renamed,
         title: new.title.clone(),
         confidence: new.confidence,
         verdicts: verdict_changes(&old, &new),
@@ -181,6 +195,43 @@ pub fn diff(request: &DiffRequest) -> Result<DiffReport, Problem> {
         costs: cost_changes(&old, &new, &again),
         evidence,
     })
+}
+
+/// Requirements that only one of the results has, with one and the same text.
+fn renamed(old: &StudyResult, new: &StudyResult) -> Vec<Renamed> {
+    let only = |of: &StudyResult, other: &StudyResult| -> Vec<Requirement> {
+        let is_new = |it: &&Requirement| other.requirements.iter().all(|known| known.id != it.id);
+        of.requirements.iter().filter(is_new).cloned().collect()
+    };
+    let (gone, come) = (only(old, new), only(new, old));
+    let of_text = |all: &[Requirement], text: &str| -> Option<String> {
+        let mut found = all.iter().filter(|it| it.text == text);
+        let first = found.next()?;
+        found.next().is_none().then(|| first.id.clone())
+    };
+    let pairs = come.iter().filter_map(|it| {
+        let (before, after) = (of_text(&gone, &it.text)?, of_text(&come, &it.text)?);
+        Some(Renamed { before, after })
+    });
+    pairs.collect()
+}
+
+/// The earlier result with the requirement's present identifier.
+fn rename(result: &mut StudyResult, renamed: &Renamed) {
+    let set = |id: &mut String| {
+        if *id == renamed.before {
+            id.clone_from(&renamed.after);
+        }
+    };
+    let requirements = result.requirements.iter_mut().map(|it| &mut it.id);
+    let conclusions = result.conclusions.iter_mut().map(|it| &mut it.requirement);
+    requirements.chain(conclusions).for_each(set);
+    let findings = result.evidence.iter_mut();
+    for finding in findings.flat_map(|it| &mut it.findings) {
+        if let Subject::Requirement(id) = &mut finding.subject {
+            set(id);
+        }
+    }
 }
 
 /// The file of a result, if this is a folder of results or a study that has been run.

@@ -86,7 +86,8 @@ fn physics(host: &Host) -> Examined {
         "MuJoCo",
         loaded.map_err(|problem| problem.message().to_owned()),
         "scenes and the handover in full physics: `simulate`, `explore`, `replay`, `engines`, `rare`, `calibrate`, and studies that simulate",
-        "start the program as `./corroborate`, which fetches the library, run `tools/mujoco`, or set CORROBORATE_MUJOCO to its path",
+        "`pip install mujoco` beside the Python package, or set CORROBORATE_MUJOCO to the path of libmujoco.so; in a copy of the repository \
+         start the program as `./corroborate`, which fetches it",
     )
 }
 
@@ -107,7 +108,8 @@ fn controllers(host: &Host) -> Examined {
         "corroborate_controller",
         found.map_err(|_| "python3 does not find the module".to_owned()),
         "controllers of scenes that are written in Python with our client",
-        "start the program as `./corroborate`, or `pip install clients/python`",
+        "studies of `corroborate init` that need it bring it along; to have it elsewhere, copy controller/corroborate_controller of \
+         `corroborate init DIR --template gripper`, or start the program of a copy of the repository as `./corroborate`",
     )
 }
 

@@ -96,6 +96,8 @@ pub struct Problem {
     pub code: &'static str,
     message: String,
     place: Option<Box<Place>>,
+    /// The file that it is about as a whole, which the message names, too.
+    file: Option<Box<str>>,
     remedy: Option<String>,
     /// Further problems of the same input.
     others: Vec<Problem>,
@@ -124,10 +126,25 @@ impl Problem {
             code,
             message: shortened(&message.into()).into_owned(),
             place: None,
+            file: None,
             remedy: None,
             others: Vec::new(),
             not_shown: 0,
             kind: Kind::Input,
+        }
+    }
+
+    /// What a library says, whose last clause, behind a semicolon, is what to do about it.
+    ///
+    /// ```
+    /// let problem = diagnostic::Problem::said("bad-recording", "a.csv is empty; record it again");
+    /// assert_eq!((problem.message(), problem.what_to_do()), ("a.csv is empty", Some("record it again")));
+    /// ```
+    pub fn said(code: &'static str, error: impl fmt::Display) -> Self {
+        let said = error.to_string();
+        match said.rsplit_once("; ") {
+            Some((message, remedy)) => Self::new(code, message).remedy(remedy),
+            None => Self::new(code, said),
         }
     }
 
@@ -207,6 +224,7 @@ impl Problem {
             format!("{} cannot be read: {error}", path.display()),
         )
         .remedy(remedy)
+        .of_file(path)
     }
 
     /// A file that cannot be written.
@@ -219,6 +237,21 @@ impl Problem {
             std::io::ErrorKind::StorageFull => "free some disk space and run the command again",
             _ => "choose a folder that can be written, with --out",
         })
+        .of_file(path)
+    }
+
+    /// Adds the file that it is about, where no place in it can be named.
+    pub fn of_file(mut self, path: &Path) -> Self {
+        self.file = Some(path.to_string_lossy().into());
+        self
+    }
+
+    /// The same with what to do in the words of who is spoken to: a caller of a function has no options of a command line.
+    pub fn in_words(mut self, words: &dyn Fn(&str) -> String) -> Self {
+        self.remedy = self.remedy.map(|remedy| words(&remedy));
+        let others = self.others.into_iter();
+        self.others = others.map(|other| other.in_words(words)).collect();
+        self
     }
 
     /// Adds the place.
@@ -290,6 +323,12 @@ impl Problem {
         self.place.as_deref()
     }
 
+    /// The file that it is in or about, as far as that is known.
+    pub fn file(&self) -> Option<&str> {
+        let of_place = self.place().map(|place| place.name.as_str());
+        of_place.or(self.file.as_deref())
+    }
+
     /// What to do about it.
     pub fn what_to_do(&self) -> Option<&str> {
         self.remedy.as_deref()
@@ -314,7 +353,8 @@ impl Problem {
         let place = place.map(|at| format!("{}:{}:{}: ", at.name, at.line, at.column));
         let mut said = format!("warning: {}{}", place.unwrap_or_default(), self.message);
         if let Some(remedy) = &self.remedy {
-            said.push(' ');
+            let is_sentence = said.ends_with(['.', '!', '?', ':', ';']);
+            said.push_str(if is_sentence { " " } else { "; " });
             said.push_str(remedy);
         }
         said.push_str(&format!(" (`corroborate explain {}`)", self.code));
@@ -377,6 +417,24 @@ mod tests {
             warning.warning_line(),
             "warning: requirements.toml:2:9: This asks for one instant. Write `within`. \
              (`corroborate explain exact-instant`)"
+        );
+        // Behind what is not a sentence what to do is set apart.
+        let warning = Problem::new("text-threshold", "the text states 0.9").remedy("correct it");
+        assert_eq!(
+            warning.warning_line(),
+            "warning: the text states 0.9; correct it (`corroborate explain text-threshold`)"
+        );
+    }
+
+    #[test]
+    fn what_to_do_is_said_in_other_words_of_all_problems() {
+        let of = |name: &str| Problem::cannot_read(Path::new(name), &std::io::Error::other("x"));
+        let both = Problem::all([of("a"), of("b").remedy("see --out")]).unwrap();
+        let found = both.in_words(&|remedy| remedy.replace("--out", "out="));
+        assert_eq!(found.others()[0].what_to_do(), Some("see out="));
+        assert_eq!(
+            (found.file(), found.others()[0].file()),
+            (Some("a"), Some("b"))
         );
     }
 

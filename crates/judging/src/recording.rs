@@ -229,7 +229,7 @@ impl ReadingRules {
         if let Some((trace, _)) = own_trace(path)? {
             return Ok(trace);
         }
-        let bad = |message: String| Problem::new("bad-recording", message);
+        let bad = |message: String| Problem::said("bad-recording", message).of_file(path);
         let mut stream = self.stream_of(wanted, path)?;
         let mut trace = stream.layout().clone();
         let mut is_whole = true;
@@ -277,7 +277,7 @@ impl ReadingRules {
             return Ok(wanted.into_iter().filter(lacks).collect());
         }
         let reader = recording::open(path, &self.options)
-            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+            .map_err(|error| Problem::said("bad-recording", error).of_file(path))?;
         let wanted: Vec<String> = wanted.into_iter().collect();
         let errors = SignalStream::new(reader, &self.map, &wanted).err();
         let errors = errors.into_iter().flatten();
@@ -293,11 +293,11 @@ impl ReadingRules {
 
     fn stream_of(&self, wanted: &[String], path: &Path) -> Result<SignalStream, Problem> {
         let reader = recording::open(path, &self.options)
-            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+            .map_err(|error| Problem::said("bad-recording", error).of_file(path))?;
         SignalStream::new(reader, &self.map, wanted).map_err(|errors| {
             let problems = errors
                 .iter()
-                .map(|error| Problem::new("bad-recording", error.to_string()));
+                .map(|error| Problem::new("bad-recording", error.to_string()).of_file(path));
             Problem::all(problems)
                 .unwrap_or_else(|| Problem::new("bad-recording", "its signals are not known"))
                 .remedy("say in the topic map (topics.toml, or --map) where the signal is; `corroborate inspect --draft-map` drafts it")
@@ -404,7 +404,7 @@ fn of_trace<'a>(
 /// A trace that this program wrote, or a table of signals in its form, with
 /// what is lost; `None` if the file is anything else.
 fn own_trace(path: &Path) -> Result<Option<(Trace, Option<String>)>, Problem> {
-    let bad = |message: String| Problem::new("bad-recording", message);
+    let bad = |message: String| Problem::said("bad-recording", message).of_file(path);
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     match extension {
         "csv" if has_our_header(path) => own_table(path).map(Some),
@@ -422,7 +422,7 @@ fn own_table(path: &Path) -> Result<(Trace, Option<String>), Problem> {
     let source = host::files::read_source(path)?;
     let whole_bytes = source.text.rfind('\n').map_or(0, |last| last + 1);
     let (whole, cut) = source.text.split_at(whole_bytes);
-    let bad = |error: &dyn std::fmt::Display| Problem::new("bad-recording", error.to_string());
+    let bad = |error: &dyn std::fmt::Display| Problem::said("bad-recording", error).of_file(path);
     let table = trace::Table::parse(&source.name, whole).map_err(|error| bad(&error))?;
     let mut trace = trace::trace_of_table(&table).map_err(|error| bad(&error))?;
     if cut.is_empty() {
@@ -451,7 +451,7 @@ pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Problem> {
     let mut files = Vec::new();
     for path in paths {
         let found = recording::trials(path)
-            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+            .map_err(|error| Problem::said("bad-recording", error).of_file(path))?;
         if found.trials.is_empty() {
             return Err(Problem::new(
                 "no-recordings",

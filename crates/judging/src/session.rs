@@ -261,7 +261,7 @@ impl<'s, 'a> Session<'s, 'a> {
 }
 
 fn bad_recording(error: String) -> Problem {
-    Problem::new("bad-recording", error)
+    Problem::said("bad-recording", error)
 }
 
 /// What a monitor says; if it is open and was begun anew when all that it reads was there, what it says

@@ -6,6 +6,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `problem.rs` | how a problem, and a panic, becomes an exception |
+//! | `words.rs` | what a remedy says to a caller of Python |
 //! | `work.rs` | long work: without the interpreter's lock, ended by Ctrl-C, with events for a callback |
 //! | `numbers.rs` | statistics |
 //! | `formulas.rs`, `signals.rs` | formulas over arrays, read in place, and over streams |
@@ -23,6 +24,7 @@ mod signals;
 mod space;
 mod studies;
 mod table;
+mod words;
 mod work;
 
 use pyo3::prelude::*;

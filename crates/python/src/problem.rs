@@ -20,6 +20,7 @@ pub(crate) fn raised(problem: Problem) -> PyErr {
         if problem.is_interruption() {
             return PyKeyboardInterrupt::new_err(problem.message().to_owned());
         }
+        let problem = problem.in_words(&crate::words::in_python);
         instance(py, &problem).map_or_else(|error| error, PyErr::from_value)
     })
 }
@@ -37,7 +38,7 @@ fn instance<'py>(py: Python<'py>, problem: &Problem) -> PyResult<Bound<'py, PyAn
     class.call1((
         problem.code,
         problem.message(),
-        place.map(|place| place.name.as_str()),
+        problem.file(),
         place.map(|place| place.line),
         place.map(|place| place.column),
         problem.what_to_do(),

@@ -214,7 +214,9 @@ fn say_what_is_not_read(named: &[(&'static str, usize, PathBuf)], talk: &Events)
 /// A line of a file that is wrong.
 fn wrong(source: &Source, error: &ExplicitError) -> Problem {
     let place = line(&source.text, error.line);
-    Problem::new("bad-model-file", error.message.as_str()).at(source, place)
+    Problem::new("bad-model-file", error.message.as_str())
+        .remedy("correct the line; Storm and PRISM write such files (`-exportmodel`), and so does `corroborate export`")
+        .at(source, place)
 }
 
 /// Where a line of a text lies, without its end; behind the last line, the end of the text.

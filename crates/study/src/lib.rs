@@ -254,7 +254,8 @@ impl Study {
         if !folder.is_dir() {
             return Err(
                 Problem::new("no-study", format!("{} is not a folder", folder.display()))
-                    .remedy(nearest::remedy(folder)),
+                    .remedy(nearest::remedy(folder))
+                    .of_file(folder),
             );
         }
         let (about, about_source) = read_about(folder, texts, found)?;
@@ -330,7 +331,8 @@ fn read_about(
             "no-study",
             format!("not a study: {} does not exist", path.display()),
         )
-        .remedy(nearest::remedy_within(folder)));
+        .remedy(nearest::remedy_within(folder))
+        .of_file(&path));
     }
     let source = texts.text(&path)?;
     let mut own = Problems::new();

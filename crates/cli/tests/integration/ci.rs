@@ -360,6 +360,35 @@ fn diff(study: &Study, old: &str, new: &str) -> (i32, Value) {
     (said.code, report)
 }
 
+/// A requirement under another name is the same one, by its text: its verdict did not get worse.
+#[test]
+fn a_requirement_that_was_renamed_is_said_to_be_renamed() {
+    let study = Study::new();
+    let run = |out: &str| study.run(&["-q", "run", "study", "--out", out]).code;
+    assert_eq!(run("one"), 0);
+    study.edit("requirements.toml", "id = \"1\"", "id = \"DOCK-1\"");
+    let table = read(&study.path("requirements.csv"));
+    let rows = table.lines().map(|row| match row.strip_prefix("1,") {
+        Some(rest) => format!("DOCK-1,{rest}\n"),
+        None => format!("{row}\n"),
+    });
+    study.write("requirements.csv", rows.collect::<String>());
+    run("renamed");
+    let (code, report) = diff(&study, "one", "renamed");
+    assert_eq!(
+        report["renamed"],
+        serde_json::json!([{ "before": "1", "after": "DOCK-1" }])
+    );
+    assert_eq!(code, 0, "{report}");
+    let verdicts = report["verdicts"].as_array().expect("a list");
+    assert!(verdicts.iter().all(|it| it["changed"] == false), "{report}");
+    let text = study.run(&["diff", "one", "renamed"]).out;
+    assert!(
+        text.contains("Renamed: 1 requirement\n  DOCK-1: before 1 (the text is the same)\n"),
+        "{text}"
+    );
+}
+
 #[test]
 fn a_difference_says_what_is_stale_what_stands_and_what_changed_beyond_chance() {
     let study = Study::new();
@@ -466,6 +495,13 @@ fn a_difference_says_what_is_stale_what_stands_and_what_changed_beyond_chance() 
     let text = study.run(&["diff", "one", "half"]).out;
     assert!(text.contains("\nStands as it was: 1\n  E1\n"), "{text}");
     assert!(text.contains("worse: 1: "), "{text}");
+    // What is unchanged as it is printed is no change.
+    let of_costs = text.lines().skip_while(|it| !it.starts_with("Costs: "));
+    for line in of_costs.filter(|it| it.contains(", before ")) {
+        let (now, before) = line.split_once(", before ").expect("both");
+        let now = now.split_whitespace().nth(1).expect("a number");
+        assert_ne!(now, before, "{line}");
+    }
     let markdown = study
         .run(&["diff", "one", "half", "--format", "markdown"])
         .out;

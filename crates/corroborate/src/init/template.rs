@@ -128,8 +128,8 @@ impl Template {
     const fn own(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Self::Docking => {
-                folder!("docking": "study.toml" "requirements.toml" "vocabulary.toml" "parameters.toml"
-                "ledger.toml" "model.prism" "attempts.csv" "requirements.csv" "failure_modes.csv")
+                folder!("docking": "README.md" "study.toml" "requirements.toml" "vocabulary.toml"
+                "parameters.toml" "ledger.toml" "model.prism" "attempts.csv" "requirements.csv" "failure_modes.csv")
             }
             Self::Cobot => {
                 folder!("cobot": "README.md" "study.toml" "requirements.toml" "vocabulary.toml"

@@ -1,7 +1,9 @@
 //! A difference in words, with headings of plain text or of Markdown.
 
 use corroborate::DiffReport;
-use corroborate::diff::{AskedChange, EvidenceChange, Fate, RateChange, VerdictChange};
+use corroborate::diff::{
+    AskedChange, CostChange, EvidenceChange, Fate, RateChange, Renamed, VerdictChange,
+};
 use diagnostic::counted;
 use std::fmt::Write;
 
@@ -39,10 +41,12 @@ pub fn markdown(report: &DiffReport) -> String {
 
 /// In the order in which they matter.
 fn parts(report: &DiffReport) -> Vec<Part> {
+    let renamed = (!report.renamed.is_empty()).then(|| renamed(report));
     let asked = (!report.asked.is_empty()).then(|| asked(report));
     let rest = [rates(report), stale(report), stands(report), costs(report)];
     [verdicts(report)]
         .into_iter()
+        .chain(renamed)
         .chain(asked)
         .chain(rest)
         .collect()
@@ -53,6 +57,14 @@ fn verdicts(report: &DiffReport) -> Part {
     let lines: Vec<String> = changed.map(verdict).collect();
     let all = counted(report.verdicts.len(), "requirement");
     (format!("Verdicts: {} of {all} changed", lines.len()), lines)
+}
+
+/// Requirements under another identifier, which is no change of a verdict.
+fn renamed(report: &DiffReport) -> Part {
+    let line = |it: &Renamed| format!("{}: before {} (the text is the same)", it.after, it.before);
+    let lines: Vec<String> = report.renamed.iter().map(line).collect();
+    let many = counted(lines.len(), "requirement");
+    (format!("Renamed: {many}"), lines)
 }
 
 /// What requirements ask for, where that is not the same: what their verdicts answer then differs.
@@ -155,12 +167,15 @@ fn stands(report: &DiffReport) -> Part {
 
 fn costs(report: &DiffReport) -> Part {
     let less = report.costs.iter().filter(|it| it.after < it.before);
-    let lines = report.costs.iter().map(|it| {
+    let line = |it: &CostChange| {
         let (before, after) = (number(it.before), number(it.after));
-        format!("{}: {after} {}, before {before}", it.evidence, it.of)
-    });
+        // What reads the same tells nothing.
+        let said = || format!("{}: {after} {}, before {before}", it.evidence, it.of);
+        (before != after).then(said)
+    };
+    let lines = report.costs.iter().filter_map(line).collect();
     let heading = format!("Costs: {} of {} are less", less.count(), report.costs.len());
-    (heading, lines.collect())
+    (heading, lines)
 }
 
 /// A count, or a time with three digits behind the point.

@@ -160,8 +160,12 @@ impl Gathered<'_> {
             return Ok(());
         }
         if properties(case, "guarantee").next().is_some() {
-            let message = "this case reports a rate with its guarantee, not a trial".to_owned();
-            return Err(bad(source, head(case), message));
+            let message = "this case reports a rate with its guarantee, not a trial";
+            let problem = Problem::new("bad-junit", message).at(source, head(case));
+            return Err(problem.remedy(
+                "take the counts of its trials: `pytest --corroborate-out FOLDER` writes FOLDER/requirements.csv, which the entry names by \
+                 `tables.requirements`",
+            ));
         }
         let seed = seen.seed(case);
         for shows in tries(case) {
