@@ -123,8 +123,9 @@ def test_no_seed():
 """
     )
     result = run("test_wrong.py")
-    result.assert_outcomes(failed=2)
-    result.stdout.fnmatch_lines(["*bad-rule*", "*takes `seed`*"])
+    # Nothing was tested: errors of the tests, each with its place.
+    result.assert_outcomes(errors=2)
+    result.stdout.fnmatch_lines(["*test_wrong.py:3: *bad-rule*", "*test_wrong.py:7: *takes `seed`*"])
 
 
 def test_a_seed_of_the_users_own_has_to_follow_from_ours(run, pytester):
@@ -158,7 +159,7 @@ def test_it(seed):
 """
     )
     result = run("test_fixed.py")
-    result.assert_outcomes(failed=1)
+    result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines(["*takes `corroborate_seed`*"])
 
 
@@ -184,3 +185,116 @@ def test_a_mark_without_its_name_is_refused(pytester):
     said = pytester.runpytest_subprocess()
     assert said.ret == 2
     said.stdout.fnmatch_lines(["*a requirement needs its name: @corroborate.requirement*"])
+
+
+def test_the_seed_of_a_test_that_is_not_repeated_is_an_error_that_says_what_to_do(run, pytester):
+    pytester.makepyfile(
+        test_unmarked="""
+def test_it(seed):
+    assert True
+
+def test_with_ours(corroborate_seed):
+    assert corroborate_seed is None
+"""
+    )
+    result = run("test_unmarked.py")
+    result.assert_outcomes(errors=1, passed=1)
+    result.stdout.fnmatch_lines(["*test_unmarked.py:1: `seed` is the seed of a trial*@corroborate.requirement*"])
+
+
+BROKEN = """
+import pytest
+import pytest_corroborate as corroborate
+
+ran = []
+
+@corroborate.requirement("IMPORT", max_trials=50)
+def test_import(seed):
+    ran.append(seed)
+    import no_such_module_of_ours
+
+@corroborate.requirement("NAME", max_trials=50)
+def test_name(seed):
+    ran.append(seed)
+    assert simulated(seed)
+
+@corroborate.requirement("FIXTURE", max_trials=50)
+def test_fixture(seed, no_such_fixture):
+    ran.append(seed)
+
+@corroborate.requirement("ASYNC", max_trials=50)
+async def test_coroutine(seed):
+    ran.append(seed)
+
+def test_each_was_tried_once():
+    assert len(ran) == 2
+"""
+
+
+@pytest.mark.parametrize("workers", [(), ("-n", "2")])
+def test_an_error_of_the_test_is_no_failure_of_the_robot_and_ends_it_at_once(run, pytester, workers):
+    pytester.makepyfile(test_broken=BROKEN)
+    chosen = ("-k", "not each_was") if workers else ()
+    if workers:
+        pytest.importorskip("xdist")
+    result = run("test_broken.py", *workers, *chosen)
+    result.assert_outcomes(errors=4, passed=0 if workers else 1)
+    text = result.stdout.str()
+    for said in [
+        "error of the test, which says nothing of IMPORT: ModuleNotFoundError at ",
+        "test_broken.py:9: No module named 'no_such_module_of_ours'",
+        "which says nothing of NAME: NameError at ",
+        "there is no fixture `no_such_fixture`",
+        "which says nothing of ASYNC: it is a coroutine",
+        "test_broken.py:6: error of the test",
+    ]:
+        assert said in text, said
+
+
+def test_a_test_that_always_skips_is_skipped_with_its_reason_and_not_undecided(run, pytester):
+    pytester.makepyfile(
+        test_skips="""
+import pytest
+import pytest_corroborate as corroborate
+
+@pytest.mark.skipif(True, reason="no robot here")
+@corroborate.requirement("A")
+def test_marked(seed):
+    pass
+
+@corroborate.requirement("B")
+def test_within(seed):
+    pytest.skip("no simulator here")
+
+@corroborate.requirement("C", at_least=0.5)
+def test_sometimes(seed):
+    if seed % 2:
+        pytest.skip("odd")
+"""
+    )
+    result = run("test_skips.py", "-rs")
+    result.assert_outcomes(skipped=2, passed=1)
+    result.stdout.fnmatch_lines(["*A: all of the first 20 trials were skipped: *no robot here*"])
+    result.stdout.fnmatch_lines(["*B: all of the first 20 trials were skipped: *no simulator here*"])
+
+
+def test_tests_of_one_requirement_are_decided_each_by_itself_and_that_is_said(run, pytester):
+    pytester.makepyfile(
+        test_twice="""
+import pytest_corroborate as corroborate
+
+@corroborate.requirement("A", at_least=0.5)
+def test_easy(seed):
+    pass
+
+@corroborate.requirement("A", at_least=0.5)
+def test_hard(seed):
+    assert False
+"""
+    )
+    result = run("test_twice.py")
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(
+        ["A is verified by 2 tests, each decided by itself; it holds if all of them pass: *::test_easy, *::test_hard"]
+    )
+    result.stdout.fnmatch_lines(["*the test: test_twice.py:7*"])

@@ -34,6 +34,9 @@ def requirement(
     max_errors  how many trials may break in a fixture
     on_error    what these count for: "unknown" (against either answer) or "failure"
     stream      the stream that seeds are drawn from
+
+    What is wrong with the test itself, not with what it tests (an import that fails, a name that is not defined, a coroutine that
+    nothing runs), ends it at once as an error. Several tests of one requirement are decided each by itself.
     """
     # Without parentheses it would take the test for its name, and the test would never run.
     if not isinstance(name, str) or not name:

@@ -12,12 +12,25 @@ from _pytest.reports import TestReport
 from _pytest.runner import runtestprotocol
 
 from .judge import Judge, JudgeError, program
+from .mistakes import mistake
 from .shared import Trials
 
 MARK = "corroborate_requirement"
 SHARE = "corroborate_share"
 # How often a share that has nothing to run looks whether the others are done.
 LOOK_SECS = 0.05
+# So many trials of which none ran: then none will.
+SKIPPED_ALWAYS = 20
+
+
+class TestError(Exception):
+    """The test cannot be judged, since something is wrong with itself."""
+
+    __test__ = False
+
+
+class AlwaysSkipped(Exception):
+    """No trial of the test runs."""
 
 
 def pytest_addoption(parser):
@@ -67,14 +80,34 @@ def pytest_configure_node(node):
 
 @pytest.fixture
 def corroborate_seed(request):
-    """The seed of this trial, for fixtures that are called `seed` themselves."""
+    """The seed of this trial, for fixtures that are called `seed` themselves; None in a test that is not of a requirement."""
     return getattr(request.node, "_corroborate_seed", None)
 
 
 @pytest.fixture
-def seed(corroborate_seed):
+def seed(corroborate_seed, request):
     """The seed of this trial."""
+    if corroborate_seed is None:
+        pytest.fail(
+            "{}: `seed` is the seed of a trial, and this test is not repeated: mark it with "
+            "@corroborate.requirement(\"REQ-7\"), or give it a fixture `seed` of your own".format(_place(request.node)),
+            pytrace=False,
+        )
     return corroborate_seed
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Keeps what a trial raised, which a report has as a text alone."""
+    outcome = yield
+    if call.excinfo is not None and _mark(item) is not None:
+        outcome.get_result().corroborate_raised = call.excinfo
+
+
+def _place(item):
+    """Where a test stands, as file:line, seen from where pytest was started."""
+    path = os.path.relpath(str(item.path), str(item.config.invocation_params.dir))
+    return "{}:{}".format(path, (item.location[1] or 0) + 1)
 
 
 def _mark(item):
@@ -145,13 +178,18 @@ class _Repeated:
         if is_shown:
             hook.pytest_runtest_logstart(nodeid=self.item.nodeid, location=self.item.location)
         began = time.time()
+        place = _place(self.item)
         try:
             report = self._decided()
         except JudgeError as error:
-            report = None
-            outcome, text, properties = "failed", str(error), []
+            outcome, text, properties = "error", "{}: {}".format(place, error), []
+        except TestError as error:
+            text = "{}: error of the test, which says nothing of {}: {}".format(place, self.name, error)
+            outcome, properties = "error", []
+        except AlwaysSkipped as error:
+            outcome, text, properties = "skipped", "{}: {}".format(self.name, error), []
         else:
-            outcome, text, properties = _outcome(report, self.item.config)
+            outcome, text, properties = _outcome(report, self.item.config, place)
         self._end_fixtures()
         if is_shown:
             self._log(outcome, text, properties, began)
@@ -188,6 +226,7 @@ class _Repeated:
     def _trials(self, judge, trials):
         most, known, has_ended = self.settings["max_trials"], {}, False
         while not has_ended:
+            self._go_on(trials, known)
             for trial, outcome, why in trials.news():
                 if trial not in known:
                     known[trial] = (outcome, why)
@@ -196,7 +235,11 @@ class _Repeated:
                 return
             number = trials.take(most)
             if number is not None:
-                outcome, why = self._trial(judge.seed(number))
+                try:
+                    outcome, why = self._trial(judge.seed(number))
+                except TestError as error:
+                    trials.stop(str(error))
+                    raise
                 trials.ended(number, outcome, why)
             elif self.share != 0:
                 # The first share waits for the others, and says what came of it.
@@ -205,6 +248,19 @@ class _Repeated:
                 trials.bury(dict(known), most)
                 time.sleep(LOOK_SECS)
 
+    def _go_on(self, trials, known):
+        """Ends the test where further trials would tell nothing."""
+        why = trials.stopped()
+        if why is not None:
+            raise TestError(why)
+        ends = [outcome for outcome, _ in known.values()]
+        if self.share == 0 and len(ends) >= SKIPPED_ALWAYS and set(ends) == {"not-applicable"}:
+            reasons = sorted({why for _, why in known.values() if why})
+            said = "all of the first {} trials were skipped".format(len(ends))
+            text = "{}: {}".format(said, reasons[0]) if reasons else said
+            trials.stop(text)
+            raise AlwaysSkipped(text)
+
     def _trial(self, seed):
         item = self.item
         item._corroborate_seed = seed
@@ -212,12 +268,17 @@ class _Repeated:
             item._initrequest()
         reports = runtestprotocol(item, nextitem=_Sibling(item), log=False)
         for report in reports:
+            wrong = mistake(report)
+            if wrong is not None:
+                raise TestError(wrong)
             why = str(report.longrepr or "").strip().splitlines()
             if report.failed:
                 # What fails outside of the test itself is its harness.
                 return ("fail" if report.when == "call" else "error"), (why[-1] if why else "")
-        if any(report.skipped for report in reports):
-            return "not-applicable", ""
+        for report in reports:
+            if report.skipped:
+                reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else ""
+                return "not-applicable", str(reason)
         return "pass", ""
 
     def _end_fixtures(self):
@@ -225,14 +286,16 @@ class _Repeated:
         self.item.session._setupstate.teardown_exact(self.nextitem)
 
     def _log(self, outcome, text, properties, began):
-        longrepr = None
-        if outcome == "failed":
+        longrepr, is_error = None, outcome == "error"
+        if outcome in ("failed", "error"):
             longrepr = text
         elif outcome == "skipped":
             longrepr = (str(self.item.path), (self.item.location[1] or 0) + 1, text)
         now = time.time()
-        for when in ("setup", "call", "teardown"):
-            is_call = when == "call"
+        # What fails before the test itself is an error to pytest.
+        for when in ("setup", "teardown") if is_error else ("setup", "call", "teardown"):
+            is_call = when == ("setup" if is_error else "call")
+            outcome = "failed" if is_error else outcome
             report = TestReport(
                 nodeid=self.item.nodeid,
                 location=self.item.location,
@@ -247,7 +310,7 @@ class _Repeated:
             self.item.ihook.pytest_runtest_logreport(report=report)
 
 
-def _outcome(report, config):
+def _outcome(report, config, place):
     """A report as pytest's outcome, its text, and properties that its JUnit XML has, too."""
 
     def percent(share):
@@ -269,6 +332,7 @@ def _outcome(report, config):
             percent(report["at_least"]),
         ),
         report["guarantee"],
+        "the test: {}".format(place),
     ]
     if report["verdict"] == "undecided":
         more = report["further_trials"]
@@ -323,6 +387,14 @@ def pytest_sessionfinish(session):
         file.write("requirement,covered,passed,failed,undecided,stopped\n" + "".join(rows))
 
 
+def _verified(reports):
+    """By requirement the tests that verify it."""
+    tests = {}
+    for report in reports:
+        tests.setdefault(dict(report.user_properties)["verifies"], []).append(report.nodeid)
+    return tests
+
+
 def pytest_terminal_summary(terminalreporter):
     reports = [
         report
@@ -337,3 +409,10 @@ def pytest_terminal_summary(terminalreporter):
         told = dict(report.sections).get("corroborate") or report.longrepr
         told = told[2] if isinstance(told, tuple) else str(told)
         terminalreporter.write_line(" | ".join(told.splitlines()[:2]))
+    for requirement, tests in sorted(_verified(reports).items()):
+        if len(tests) > 1:
+            terminalreporter.write_line(
+                "{} is verified by {} tests, each decided by itself; it holds if all of them pass: {}".format(
+                    requirement, len(tests), ", ".join(tests)
+                )
+            )

@@ -37,6 +37,22 @@ class Trials:
                 return number
         return None
 
+    def stop(self, why):
+        """Says to all processes that no further trial makes sense."""
+        file = os.path.join(self._folder, "stopped-{}".format(os.getpid()))
+        with open(file, "w", encoding="utf-8") as text:
+            text.write(why)
+        # Under its own name only when it is whole; who was first is heard.
+        os.replace(file, os.path.join(self._folder, "stopped"))
+
+    def stopped(self):
+        """Why no further trial makes sense; None if they do."""
+        try:
+            with open(os.path.join(self._folder, "stopped"), encoding="utf-8") as file:
+                return file.read()
+        except FileNotFoundError:
+            return None
+
     def ended(self, trial, outcome, why=""):
         """A trial has ended."""
         line = json.dumps([trial, outcome, why[:500]]) + "\n"
