@@ -6,6 +6,7 @@ use host::Host;
 use rig::surroundings::{first_line, joins_dds};
 use schemars::JsonSchema;
 use serde::Serialize;
+use testbench::SUPPORTED_VERSION;
 
 /// Whether something is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
@@ -86,8 +87,10 @@ fn physics(host: &Host) -> Examined {
         "MuJoCo",
         loaded.map_err(|problem| problem.message().to_owned()),
         "scenes and the handover in full physics: `simulate`, `explore`, `replay`, `engines`, `rare`, `calibrate`, and studies that simulate",
-        "`pip install mujoco` beside the Python package, or set CORROBORATE_MUJOCO to the path of libmujoco.so; in a copy of the repository \
-         start the program as `./corroborate`, which fetches it",
+        &format!(
+            "`pip install 'mujoco=={SUPPORTED_VERSION}.*'` beside the Python package, or set CORROBORATE_MUJOCO to the path of \
+             libmujoco.so; in a copy of the repository start the program as `./corroborate`, which fetches it"
+        ),
     )
 }
 

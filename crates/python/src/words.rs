@@ -2,8 +2,8 @@
 //!
 //! The libraries write remedies in the words of the command, since they do not know who is spoken to. Here an option becomes the
 //! argument by which a function of the package takes the same: `--out FOLDER` is `out=FOLDER`, `--trust` is `trust=True`,
-//! `-const p=...` is `constants={"p": ...}`. A whole command (`` `corroborate inspect FILE` ``) stays, since the package brings it,
-//! and so does an option that no function has.
+//! `-const p=...` is `constants={"p": ...}`; `` `corroborate run STUDY` `` is `` `Study("STUDY").run()` ``. Another whole command
+//! (`` `corroborate inspect FILE` ``) stays, since the package brings it, and so does an option that no function has.
 
 /// Options whose argument in Python is `True`.
 const FLAGS: [&str; 6] = [
@@ -39,11 +39,23 @@ pub(crate) fn in_python(remedy: &str) -> String {
     let parts = remedy.split('`').enumerate().map(|(place, part)| {
         let is_code = place % 2 == 1;
         match is_code && part.starts_with("corroborate ") {
-            true => part.to_owned(),
+            true => of_study(part).unwrap_or_else(|| part.to_owned()),
             false => translated(part, is_code),
         }
     });
     parts.collect::<Vec<_>>().join("`")
+}
+
+/// A command on a study as the method that does the same; nothing for others, and for options that it has not.
+fn of_study(command: &str) -> Option<String> {
+    let words: Vec<&str> = command.split(' ').collect();
+    let method = words.get(1).filter(|it| ["run", "plan"].contains(it))?;
+    match words.get(2..)? {
+        [] => Some(format!("Study.{method}()")),
+        [study] => Some(format!("Study({study:?}).{method}()")),
+        [study, "--out", out] => Some(format!("Study({study:?}, out={out:?}).{method}()")),
+        _ => None,
+    }
 }
 
 fn translated(part: &str, is_code: bool) -> String {
@@ -129,6 +141,14 @@ mod tests {
             (
                 "`--out FOLDER` puts results elsewhere, `--sbom FILE` adds a bill",
                 "`out=FOLDER` puts results elsewhere, `sboms=FILE` adds a bill",
+            ),
+            (
+                "run `corroborate run my/one --out r` first; `corroborate plan my/one` says what changed",
+                "run `Study(\"my/one\", out=\"r\").run()` first; `Study(\"my/one\").plan()` says what changed",
+            ),
+            (
+                "run it as a whole: `corroborate run`",
+                "run it as a whole: `Study.run()`",
             ),
             (
                 "leave recordings out (without --with-recordings)",

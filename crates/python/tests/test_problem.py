@@ -3,6 +3,7 @@
 import pathlib
 import pickle
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,6 +13,8 @@ import pytest
 
 import corroborate
 from corroborate import _engine
+
+TEMPLATE = pathlib.Path(__file__).parents[2] / "corroborate/templates/docking"
 
 WRONG = "dtmc\nmodule m\n  x : [0..1] init 0;\n  [] x=0 -> 0.5:(x'=1);\n  [] y=0 -> true;\nendmodule\n"
 
@@ -237,3 +240,57 @@ def test_a_function_at_its_pole_and_of_too_many_digits_is_a_problem():
     for text in ("__import__('os')", "p +", "q"):
         with pytest.raises(corroborate.Problem, match="not a rational function"):
             RationalFunction(text, ("p",))(p=1)
+
+
+def said(call):
+    with pytest.raises(corroborate.Problem) as caught:
+        call()
+    return caught.value
+
+
+def test_remedies_are_what_a_caller_of_python_writes(tmp_path):
+    """Not one that names an option of the command line, where a function has an argument for it."""
+    recording = tmp_path / "cut.csv"
+    recording.write_text("time_secs,/robot.speed [m/s]\n0,0.5\n1,0.6")
+    chain = corroborate.Model.parse("dtmc module m s:[0..200]; [] s<200 -> (s'=s+1); endmodule")
+    study = shutil.copytree(TEMPLATE, tmp_path / "study")
+    speed = ["always (/robot.speed < 1)"]
+    other = ["always (/robot.other < 1)"]
+    for call, expected in [
+        (lambda: model().check("P=? [ F x=1 ]"), 'constants={"p": ...}'),
+        (lambda: chain.check("P=? [ F s=9 ]", max_states=3), "max_states=..."),
+        (lambda: corroborate.monitor(recording, formulas=speed), "partial=True"),
+        (lambda: corroborate.Study(study).result(), f'Study("{study}").run()'),
+        (lambda: corroborate.Study(study, out=recording).run(), "out=..."),
+        (lambda: corroborate.Model.load(tmp_path / "none"), "check the name"),
+    ]:
+        problem = said(call)
+        assert expected in problem.remedy and problem.remedy in str(problem), problem
+        assert not re.search(r"(^|[ (`])--?[a-z]", problem.remedy), problem.remedy
+    assert said(lambda: corroborate.monitor(tmp_path / "none.csv", formulas=other)).remedy == "check the path"
+
+
+def test_a_problem_of_a_file_has_its_path_and_a_remedy(tmp_path):
+    (tmp_path / "empty.csv").write_text("")
+    (tmp_path / "bin.mcap").write_bytes(b"\0\1\2" * 9)
+    (tmp_path / "back.csv").write_text("time_secs,/robot.speed [m/s]\n1,0.5\n0,0.6\n")
+    (tmp_path / "bad.tra").write_text("x y")
+    speed = ["always (/robot.speed < 1)"]
+    for name, call in [
+        ("none.csv", lambda path: corroborate.monitor(path, formulas=speed)),
+        ("empty.csv", lambda path: corroborate.monitor(path, formulas=speed)),
+        ("bin.mcap", lambda path: corroborate.monitor(path, formulas=speed)),
+        ("back.csv", lambda path: corroborate.monitor(path, formulas=speed)),
+        ("none.prism", corroborate.Model.load),
+        ("bad.tra", lambda path: corroborate.Model.load(path).check("P=? [ F true ]")),
+        ("none.props", lambda path: model().check(path, constants={"p": 0.5})),
+        ("none", corroborate.Study),
+    ]:
+        problem = said(lambda: call(tmp_path / name))
+        assert problem.path == str(tmp_path / name), problem
+        assert problem.remedy, problem
+
+
+def test_monitor_of_nothing_is_a_problem(tmp_path):
+    assert "no recording is named" in str(said(corroborate.monitor))
+    assert "neither formulas nor a study" in str(said(lambda: corroborate.monitor(tmp_path / "a.csv")))

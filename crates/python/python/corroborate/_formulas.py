@@ -466,6 +466,11 @@ def monitor(
         "map": None if map is None else _checked.path(map, "map", "a topic map", "name its file"),
         "partial": _checked.flag(partial, "partial"),
     }
+    if not recordings:
+        raise Problem("wrong-argument", "no recording is named, so that nothing is judged", remedy="write monitor(\"run.mcap\", formulas=[...])")
+    if not read and study is None:
+        message = "neither formulas nor a study are given, so that nothing is judged"
+        raise Problem("wrong-argument", message, remedy="write formulas=[\"always /robot.speed < 1\"], or study=FOLDER")
     report = _engine.monitor_recordings(asked, progress)
     judged = (_recording(it, verdict) for it in report["recordings"] for verdict in it["verdicts"])
     return RecordingsReport(tuple(judged), tuple(report["warnings"]), report)

@@ -227,7 +227,7 @@ class Model:
             "constants": _constants(constants),
             "open": _open(open),
             "method": _method(method),
-            "precision": _checked.number(precision, "precision"),
+            "precision": _precision(precision),
             "max_states": None if max_states is None else _checked.whole(max_states, "max_states"),
             "timeout_secs": None if timeout is None else _checked.number(timeout, "timeout"),
             "witness": _checked.flag(witness, "witness"),
@@ -299,6 +299,13 @@ def _property(property: Any, name: str, remedy: str) -> str:
     raise Problem("wrong-argument", f"{name} is an empty text, so that nothing is asked", remedy=remedy)
 
 
+def _precision(precision: Any) -> float:
+    found = _checked.number(precision, "precision")
+    if 0 < found < 1:
+        return found
+    raise Problem("bad-setting", f"precision must be between 0 and 1 (got {found})", remedy="give a relative width, for example 1e-6")
+
+
 def _method(method: Any) -> str:
     return _checked.text(method, "method", "a name", "for example \"sound\" or \"exact\"")
 
@@ -358,6 +365,9 @@ def _value(found: Mapping[str, Any]) -> Any:
     return found["value"] if found["value"] is not None else _special(text)
 
 
+_CANNOT = "correct the property, the constants or the setting that the message names"
+
+
 def _special(text: str) -> Union[float, None]:
     return {"Infinity": float("inf"), "-Infinity": float("-inf"), "NaN": float("nan")}.get(text)
 
@@ -366,7 +376,7 @@ def _answer(found: Mapping[str, Any]) -> Answer:
     if found["error"] is not None:
         code = "unsupported" if found["unsupported"] else "cannot-check"
         message = f"{found['property']}: {found['error']}"
-        raise Problem(code, message, remedy="`corroborate explain sound` says what is answered how" if found["unsupported"] else None)
+        raise Problem(code, message, remedy="`corroborate explain sound` says what is answered how" if found["unsupported"] else _CANNOT)
     if found["unfinished"] is not None and found["low"] is None:
         message = f"{found['property']}: a limit ended the work before there were bounds"
         raise Problem("time-limit", message, remedy="give it more time, or a smaller model", kind="undecided")
