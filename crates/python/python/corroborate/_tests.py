@@ -30,7 +30,7 @@ def requirement(
     that seeds are drawn from.
 
     What is wrong with the test itself (an import that fails, a name that is not defined, a fixture that does not exist, a coroutine that
-    nothing runs) is no failure of the robot: it ends the test at once as an error. A test whose first 20 trials are skipped is skipped.
+    nothing runs) does not count as a failure of the robot: it ends the test at once as an error. A test whose first 20 trials are skipped is skipped.
     Several tests of one requirement are decided each by itself; it holds if all of them pass.
 
     >>> import corroborate
