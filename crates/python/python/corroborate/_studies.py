@@ -162,7 +162,8 @@ class Study:
             progress: called with each event, a dictionary: ``{"event": "started", "stage": 0, "title": ..., "total": ...}``,
                 ``advanced`` (with ``done`` and ``left_secs``), ``finished``, ``note``. What it raises ends the run.
         """
-        return StudyResult(_engine.study_run(self._asked(()), self._surroundings(), _checked.optional_callback(progress, "progress")), self.out)
+        told = _checked.optional_callback(progress, "progress")
+        return StudyResult(_engine.study_run(self._asked(()), self._surroundings(), told), self.out)
 
     def produce(self, *evidence: str, progress: Progress = None) -> list[Produced]:
         """Produces only the evidence with these identifiers, and compares nothing. What is fresh is taken as it was kept."""
@@ -284,7 +285,8 @@ class StudyResult:
     """What a study amounts to."""
 
     def __init__(self, outcome: _engine.StudyOutcome, folder: pathlib.Path) -> None:
-        self._outcome = _checked.instance(outcome, "outcome", _engine.StudyOutcome, "what the engine found", "results come from Study.run() and Study.result()")
+        remedy = "results come from Study.run() and Study.result()"
+        self._outcome = _checked.instance(outcome, "outcome", _engine.StudyOutcome, "what the engine found", remedy)
         self.folder = folder
 
     @cached_property

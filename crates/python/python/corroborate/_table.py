@@ -18,7 +18,8 @@ class Table:
     __slots__ = ("_table",)
 
     def __init__(self, table: _engine.Table) -> None:
-        self._table = _checked.instance(table, "table", _engine.Table, "what the engine made", "tables are those of StudyResult, `evidence` and `comparisons`")
+        remedy = "tables are those of StudyResult, `evidence` and `comparisons`"
+        self._table = _checked.instance(table, "table", _engine.Table, "what the engine made", remedy)
 
     def __len__(self) -> int:
         """The number of rows."""

@@ -30,8 +30,8 @@ def requirement(
     that seeds are drawn from.
 
     What is wrong with the test itself (an import that fails, a name that is not defined, a fixture that does not exist, a coroutine that
-    nothing runs) does not count as a failure of the robot: it ends the test at once as an error. A test whose first 20 trials are skipped is skipped.
-    Several tests of one requirement are decided each by itself; it holds if all of them pass.
+    nothing runs) does not count as a failure of the robot: it ends the test at once as an error. A test whose first 20 trials are skipped
+    is skipped. Several tests of one requirement are decided each by itself; it holds if all of them pass.
 
     >>> import corroborate
     >>> @corroborate.requirement("REQ-7", at_least=0.95, margin=0.02)
