@@ -98,7 +98,7 @@ pub struct Problem {
     place: Option<Box<Place>>,
     /// The file that it is about as a whole, which the message names, too.
     file: Option<Box<str>>,
-    remedy: Option<String>,
+    remedy: Option<Box<str>>,
     /// Further problems of the same input.
     others: Vec<Problem>,
     /// How many more there are, which are not shown.
@@ -248,7 +248,7 @@ impl Problem {
 
     /// The same with what to do in the words of who is spoken to: a caller of a function has no options of a command line.
     pub fn in_words(mut self, words: &dyn Fn(&str) -> String) -> Self {
-        self.remedy = self.remedy.map(|remedy| words(&remedy));
+        self.remedy = self.remedy.map(|remedy| words(&remedy).into());
         let others = self.others.into_iter();
         self.others = others.map(|other| other.in_words(words)).collect();
         self
@@ -278,7 +278,7 @@ impl Problem {
 
     /// Adds what to do.
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
-        self.remedy = Some(shortened(&remedy.into()).into_owned());
+        self.remedy = Some(shortened(&remedy.into()).into());
         self
     }
 
