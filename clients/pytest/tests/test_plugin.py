@@ -241,11 +241,11 @@ def test_an_error_of_the_test_is_no_failure_of_the_robot_and_ends_it_at_once(run
     result.assert_outcomes(errors=4, passed=0 if workers else 1)
     text = result.stdout.str()
     for said in [
-        "error of the test, which says nothing of IMPORT: ModuleNotFoundError at ",
+        "error of the test, which is not evidence about IMPORT: ModuleNotFoundError at ",
         "test_broken.py:9: No module named 'no_such_module_of_ours'",
-        "which says nothing of NAME: NameError at ",
+        "which is not evidence about NAME: NameError at ",
         "there is no fixture `no_such_fixture`",
-        "which says nothing of ASYNC: it is a coroutine",
+        "which is not evidence about ASYNC: it is a coroutine",
         "test_broken.py:6: error of the test",
     ]:
         assert said in text, said

@@ -342,7 +342,7 @@ def clusters_of(outcomes: Iterable[Any], groups: Iterable[Any]) -> list[Counts]:
         try:
             counts = found.setdefault(group, [0, 0])
         except TypeError:
-            message = f"a label of a group is a {type(group).__name__}, which cannot be told from others"
+            message = f"a label of a group is a {type(group).__name__}, which cannot be compared with others"
             raise WrongArgument("wrong-argument", message, remedy="give one text or number for each trial, shape (trials,)") from None
         counts[0] += _succeeded(outcome)
         counts[1] += 1

@@ -1,4 +1,4 @@
-"""What is wrong with the test, and so says nothing of what it tests."""
+"""What is wrong with the test, and so is not evidence about what it tests."""
 
 import pytest
 

@@ -184,7 +184,7 @@ class _Repeated:
         except JudgeError as error:
             outcome, text, properties = "error", "{}: {}".format(place, error), []
         except TestError as error:
-            text = "{}: error of the test, which says nothing of {}: {}".format(place, self.name, error)
+            text = "{}: error of the test, which is not evidence about {}: {}".format(place, self.name, error)
             outcome, properties = "error", []
         except AlwaysSkipped as error:
             outcome, text, properties = "skipped", "{}: {}".format(self.name, error), []
