@@ -212,3 +212,14 @@ def test_weak_until_in_an_interval_is_what_its_documentation_says():
         assert (verdict.value == "satisfied") == said, (f, g)
         differ += other.judge(times, f=f, g=g).verdict != verdict
     assert differ > 0
+
+
+def test_times_may_be_dates_with_and_without_a_time_zone():
+    pandas = pytest.importorskip("pandas")
+    formula = Formula("eventually[0, 1 s] (speed > 1)")
+    for zone in (None, "UTC", "Europe/Berlin"):
+        times = pandas.to_datetime(["2024-05-13 00:00:00", "2024-05-13 00:00:01"]).tz_localize(zone)
+        frame = pandas.DataFrame({"time": times, "speed": [0.0, 2.0]})
+        assert formula.judge(frame).verdict is Verdict.SATISFIED
+    with pytest.raises(corroborate.Problem, match="pandas.to_datetime"):
+        formula.judge(["2024-05-13", "2024-05-14"], speed=[0.0, 2.0])

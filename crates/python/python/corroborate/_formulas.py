@@ -359,13 +359,17 @@ def _times(times: Any) -> NDArray[np.float64]:
         # From the first sample on, in seconds.
         seconds: NDArray[np.float64] = (array - array[:1]) / np.timedelta64(1, "s")
         return seconds
+    if array.dtype.kind == "O" and len(array) and all(hasattr(it, "timestamp") for it in array):
+        # Dates with a time zone, which NumPy has no type for.
+        stamps = np.array([it.timestamp() for it in array], dtype=np.float64)
+        return np.asarray(stamps - stamps[0], dtype=np.float64)
     try:
         if array.dtype.kind not in "iufO":
             raise TypeError
         return np.asarray(array, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         message = f"times of the type {array.dtype} are not seconds"
-        raise Problem("bad-signals", message, remedy="give them as numbers, or as dates of NumPy (datetime64)") from None
+        raise Problem("bad-signals", message, remedy="give them as numbers, or as dates (datetime64; pandas.to_datetime reads texts)") from None
 
 
 def _known_units(units: Mapping[str, str], columns: Mapping[str, Any]) -> None:
