@@ -42,6 +42,9 @@ const MOST_DEVIATE: f64 = 37.0;
 const PLACES: u32 = 8;
 const REFINEMENTS: u32 = 16;
 
+/// Deviates below this do not fall everywhere.
+const JUMP: f64 = 0.7;
+
 /// Both p-values of counts beside what is no count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct PairByLikelihood {
@@ -239,6 +242,47 @@ fn root_of_deviance(sample: EffectiveSample, rate: f64) -> f64 {
     deviance.max(0.0).sqrt().copysign(found - rate)
 }
 
+/// Whether the p-value of a claim is small enough, as any smaller one is: found without all of the sum where a part of it tells.
+/// Plans ask it of thousands of outcomes.
+pub(super) fn shows(
+    first: &Belief,
+    second: &Belief,
+    claim: Claim,
+    is_small: impl Fn(f64) -> bool,
+) -> bool {
+    let sides = (Side::of(first), Side::of(second));
+    let tells = tells_how_alike(first) || tells_how_alike(second);
+    let (true, (Some(one), Some(other))) = (tells, sides) else {
+        return is_small(p_value(first, second, claim));
+    };
+    match claim {
+        Claim::Difference => sum_is(&one, &other, 0.0, |sum| is_small(chi_squared_sf(sum, 1.0))),
+        Claim::Within(margin) => {
+            is_small_at_least(&one, &other, margin, &is_small)
+                && is_small_at_least(&other, &one, margin, &is_small)
+        }
+    }
+}
+
+/// Whether the p-value of "the second lies above the first by the distance or more" is small enough.
+fn is_small_at_least(
+    first: &Side<'_>,
+    second: &Side<'_>,
+    distance: f64,
+    is_small: impl Fn(f64) -> bool,
+) -> bool {
+    if distance > 1.0 {
+        return is_small(0.0);
+    }
+    match second.centre() - first.centre() < distance {
+        true => sum_is(first, second, distance, |sum| {
+            is_small(normal_sf(sum.sqrt()))
+        }),
+        // It is one half at least.
+        false => is_small(0.5) && is_small(p_at_least(first, second, distance)),
+    }
+}
+
 /// p-value of "the second lies above the first by the distance or more".
 fn p_at_least(first: &Side<'_>, second: &Side<'_>, distance: f64) -> f64 {
     if distance > 1.0 {
@@ -251,11 +295,61 @@ fn p_at_least(first: &Side<'_>, second: &Side<'_>, distance: f64) -> f64 {
     }
 }
 
-/// The least `z1(r)^2 + z2(r + distance)^2` over all rates: it lies between the rates at which one of both is 0.
-fn sum_of_squares(first: &Side<'_>, second: &Side<'_>, distance: f64) -> f64 {
+/// The rates between which the least `z1(r)^2 + z2(r + distance)^2` lies: those at which one of both is 0.
+fn between(first: &Side<'_>, second: &Side<'_>, distance: f64) -> (f64, f64) {
     let inside = |rate: f64| rate.clamp((-distance).max(0.0), (1.0 - distance).min(1.0));
     let ends = [first.centre(), second.centre() - distance].map(inside);
-    let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    (ends[0].min(ends[1]), ends[0].max(ends[1]))
+}
+
+/// Whether the least sum is enough, where more is enough whenever less is.
+fn sum_is(
+    first: &Side<'_>,
+    second: &Side<'_>,
+    distance: f64,
+    is_enough: impl Fn(f64) -> bool,
+) -> bool {
+    let (low, high) = between(first, second, distance);
+    let step = (high - low) / f64::from(PLACES);
+    let deviates = |place: u32| {
+        let rate = low + f64::from(place) * step;
+        [first.deviate(rate), second.deviate(rate + distance)]
+    };
+    let sum = |[one, other]: [f64; 2]| one.powi(2) + other.powi(2);
+    // The least is mostly in the middle, and is no greater than any.
+    if !is_enough(sum(deviates(PLACES / 2))) {
+        return false;
+    }
+    let places: Vec<[f64; 2]> = (0..=PLACES).map(deviates).collect();
+    let smallest = |sums: &mut dyn Iterator<Item = f64>| sums.fold(f64::INFINITY, f64::min);
+    if !is_enough(smallest(&mut places.iter().map(|it| sum(*it)))) {
+        return false;
+    }
+    // Deviates fall as rates rise, so that between two places each has at least the smaller size of both; near 0, where the
+    // greater of two p-values changes from one to the other, they jump.
+    let least = |one: f64, other: f64| {
+        let smaller = one.abs().min(other.abs());
+        let is_clear = one * other > 0.0 && smaller > JUMP;
+        if is_clear { smaller } else { 0.0 }
+    };
+    let of_cell = |it: &[[f64; 2]]| sum([least(it[0][0], it[1][0]), least(it[0][1], it[1][1])]);
+    is_enough(smallest(&mut places.windows(2).map(of_cell)))
+        || is_enough(least_sum(first, second, distance, |sum| !is_enough(sum)))
+}
+
+/// The least `z1(r)^2 + z2(r + distance)^2` over all rates.
+fn sum_of_squares(first: &Side<'_>, second: &Side<'_>, distance: f64) -> f64 {
+    least_sum(first, second, distance, |_| false)
+}
+
+/// The same, or what is found of it so far where that is small enough to know.
+fn least_sum(
+    first: &Side<'_>,
+    second: &Side<'_>,
+    distance: f64,
+    is_known: impl Fn(f64) -> bool,
+) -> f64 {
+    let (low, high) = between(first, second, distance);
     let at = |rate: f64| first.deviate(rate).powi(2) + second.deviate(rate + distance).powi(2);
     let step = (high - low) / f64::from(PLACES);
     let mut best = (low, f64::INFINITY);
@@ -268,6 +362,9 @@ fn sum_of_squares(first: &Side<'_>, second: &Side<'_>, distance: f64) -> f64 {
     }
     let (mut low, mut high) = ((best.0 - step).max(low), (best.0 + step).min(high));
     for _ in 0..REFINEMENTS {
+        if is_known(best.1) {
+            break;
+        }
         let third = (high - low) / 3.0;
         let (left, right) = (at(low + third), at(high - third));
         best.1 = best.1.min(left).min(right);
@@ -415,6 +512,30 @@ mod tests {
                 assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
             }
         }
+    }
+
+    /// What plans ask is what the p-value says, at whatever level: of people beside counts, and beside other people.
+    #[test]
+    fn a_claim_is_shown_where_its_p_value_is_small() {
+        let mut uniform = Uniform(7);
+        let mut told = [0_u32; 2];
+        for study in 0..60 {
+            let them = belief(&uniform.people(8, 10, 0.85, 0.3));
+            let rate = 0.4 + 0.5 * uniform.draw();
+            let other = match study % 2 {
+                0 => belief(&uniform.people(12, 20, rate, 0.1)),
+                _ => counts(uniform.sample(300, rate).successes, 300),
+            };
+            for claim in [Claim::Difference, Claim::Within(0.2), Claim::Within(0.4)] {
+                let p = p_value(&them, &other, claim);
+                for alpha in [0.6, 0.05, 0.01, 1e-4, 0.99 * p, 1.01 * p] {
+                    let found = shows(&them, &other, claim, |p| p <= alpha);
+                    assert_eq!(found, p <= alpha, "{p} {alpha}");
+                    told[usize::from(found)] += 1;
+                }
+            }
+        }
+        assert!(told.iter().all(|times| *times > 200), "{told:?}");
     }
 
     /// Between people and a simulation neither difference nor agreement is shown in more than 5 % of studies where it is

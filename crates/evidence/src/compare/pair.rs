@@ -177,20 +177,26 @@ impl Pair {
 
     /// Whether a difference is shown at this level, by the quickest test.
     pub fn differs(&self, level: Confidence) -> bool {
-        match &self.past {
-            None => match self.p_by_fisher_at_size() {
-                // What the quicker test does not show, no other shows beside it.
-                Some(p) => p <= level.alpha() && self.difference_by_likelihood() <= level.alpha(),
-                None => self.p_difference_once() <= level.alpha(),
-            },
-            Some((_, past)) => {
-                let (asked, once) = match self.p_by_fisher_once() {
-                    Some(p) => (Asked::DifferenceByFisher, p),
-                    None => (Asked::Difference, self.p_difference_once()),
-                };
-                past.shows(self, asked, once, level.alpha())
+        let at_size = match self.p_by_fisher_at_size() {
+            Some(p) => (Asked::DifferenceByFisher, p),
+            None => (Asked::Difference, self.p_difference_at_size()),
+        };
+        self.shows(at_size, Claim::Difference, level)
+    }
+
+    /// Whether a test at the effective size and counts by subject both show it, over all looks. The quicker test comes first,
+    /// since what it does not show is not shown.
+    fn shows(&self, (asked, at_size): (Asked, f64), claim: Claim, level: Confidence) -> bool {
+        let is_small = |p: f64| {
+            let once = at_size.max(p);
+            match &self.past {
+                Some((_, past)) => past.shows(self, asked, once, level.alpha()),
+                None => once <= level.alpha(),
             }
-        }
+        };
+        let (one, other) = (&self.first, &self.second);
+        let is_one_pair = self.ends.is_empty();
+        is_small(0.0) && (!is_one_pair || by_likelihood::shows(one, other, claim, is_small))
     }
 
     pub fn first(&self) -> &Belief {
@@ -559,15 +565,12 @@ impl Pair {
             let score = stats::score_equivalence(a, b, self.margin).unwrap_or(1.0);
             tost.map_or(1.0, |tost| tost.p_value()).max(score)
         };
-        let mut once = (at_effective_size(test, (*a, *ea), (*b, *eb)) / PLANNED).min(1.0);
-        if once <= level.alpha() {
-            once = once.max(self.equivalence_by_likelihood());
+        if !self.is_inside_margin() {
+            return false;
         }
-        let shown = match &self.past {
-            Some((_, past)) => past.shows(self, Asked::Equivalence, once, level.alpha()),
-            None => once <= level.alpha(),
-        };
-        self.is_inside_margin() && shown
+        let once = (at_effective_size(test, (*a, *ea), (*b, *eb)) / PLANNED).min(1.0);
+        let asked = (Asked::Equivalence, once);
+        once <= level.alpha() && self.shows(asked, Claim::Within(self.margin), level)
     }
 
     /// Whether both sides are counts and one has so few trials that the approximate tests of plans may miss the exact one.
