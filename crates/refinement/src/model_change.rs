@@ -46,7 +46,7 @@
 mod branching;
 mod solving;
 
-pub(crate) use branching::solve_branch;
+pub(crate) use branching::{number_in_words, solve_branch};
 pub(crate) use solving::{
     AS_GOOD, FARTHEST, digits, once_or_solve, rate_or_solve, solved, with_interval,
 };

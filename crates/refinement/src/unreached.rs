@@ -392,8 +392,9 @@ pub(crate) fn at_place(
     let line = place.line(text).unwrap_or_default();
     Ok(Changed {
         what: format!(
-            "{} can happen in line {line}, with probability {} each time, with which the rate is that of {}",
+            "{} can happen in line {line}, with {} {} each time, with which the share of runs is that of {}",
             name.replace('_', " "),
+            crate::model_change::number_in_words(&read, update),
             crate::model_change::digits(solved.value),
             counts.words()
         ),

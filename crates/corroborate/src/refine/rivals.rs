@@ -4,13 +4,24 @@
 //! A proposal *repairs* a pair of evidence on a subject if they disagree strongly before it and not after it ([`refinement::Trial`]), if a
 //! single edit explains their conflict ([`Symptom::EditExplains`]), or if it is offered because they differ and cannot be computed
 //! before it is made (an exchange, a form, a fit). Two proposals are *rivals* if they repair one pair on one subject and do no harm.
+//! A proposal is *refuted* if it predicts a rate that the counts reject at [`REFUTED`]: beside one that is not, it is no rival but says so,
+//! and `--all` leaves it open. Of rivals `--all` takes at most the first.
 //!
 //! # Guarantee
 //! No proposal with a rival is offered without naming it. That a proposal without one is right is not shown.
 
-use super::proposal::{Change, Offered, Proposal};
+use super::proposal::{Change, Effect, Offered, Proposal};
 use evidence::{Subject, Suspect, Symptom};
 use std::collections::BTreeSet;
+
+/// The p-value below which counts reject a rate that a proposal predicts.
+const REFUTED: f64 = 0.001;
+
+/// What of the predictions of a proposal the counts reject.
+fn refuted(proposal: &Proposal) -> Option<&Effect> {
+    let mut effects = proposal.effects.iter();
+    effects.find(|it| it.p_value.is_some_and(|p| p < REFUTED))
+}
 
 /// A pair on a subject, its sides in the order of their names.
 type Repaired = (Subject, [String; 2]);
@@ -75,10 +86,40 @@ pub(super) fn tell(offered: &mut Offered, suspects: &[Suspect]) {
         .iter()
         .map(|it| (it.number, it.tried.is_harmful(), repairs(it, suspects)))
         .collect();
-    for (proposal, (number, _, own)) in offered.proposals.iter_mut().zip(&all) {
+    let are_refuted: Vec<bool> = offered
+        .proposals
+        .iter()
+        .map(|it| refuted(it).is_some())
+        .collect();
+    for (place, (number, _, own)) in all.iter().enumerate() {
+        let proposal = &mut offered.proposals[place];
         let others = all
             .iter()
             .filter(|(other, is_harmful, _)| other != number && !is_harmful);
+        let sound =
+            all.iter()
+                .zip(&are_refuted)
+                .find(|((other, is_harmful, theirs), is_refuted)| {
+                    other != number
+                        && !is_harmful
+                        && !**is_refuted
+                        && own.intersection(theirs).next().is_some()
+                });
+        if let (Some(effect), Some(((sound, ..), _))) = (refuted(proposal), sound) {
+            let note = format!(
+                "Proposal {sound} explains the same, and predicts no rate that was not counted; with this one {} would not be what was \
+                 counted.",
+                effect.subject.in_words()
+            );
+            proposal.notes.push(note);
+            proposal.needs_decision = true;
+            continue;
+        }
+        let is_refuted = are_refuted[place];
+        let others = others.filter(|(other, ..)| {
+            let theirs = all.iter().position(|(number, ..)| number == other);
+            theirs.is_some_and(|theirs| are_refuted[theirs] == is_refuted)
+        });
         let common: Vec<(usize, &Repaired)> = others
             .filter_map(|(other, _, theirs)| Some((*other, own.intersection(theirs).next()?)))
             .collect();

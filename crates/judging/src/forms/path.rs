@@ -153,7 +153,7 @@ impl Reader<'_> {
         };
         let step_secs = self
             .step_secs
-            .ok_or("it counts steps, whose duration study.toml does not declare")?;
+            .ok_or("its limit is in steps, or in units of the model's time, whose duration study.toml does not declare")?;
         let secs = |steps: f64| Bound::secs(steps * step_secs);
         let (low, high) = steps_of(bound).ok_or("its step bound is not a number of steps")?;
         Ok(Interval {

@@ -22,6 +22,7 @@ use crate::solve::{self, Scale};
 use evidence::Subject;
 use prism_lang::ast::{Command, Expr, ExprKind, Model, ModuleBody, Update};
 use prism_lang::edit;
+use prism_lang::resolved::ModelType;
 
 impl ModelChange {
     pub(super) fn branch(&self, text: &str, solver: &dyn Solver) -> Result<Changed, Refusal> {
@@ -55,8 +56,9 @@ impl ModelChange {
                 return Ok(Changed {
                     text: branched.text,
                     what: format!(
-                        "{} can happen, with probability {} (line {line})",
+                        "{} can happen, with {} {} (line {line})",
                         name.replace('_', " "),
+                        number_in_words(&read, update),
                         counts.fraction()
                     ),
                     constant: Some(SetConstant {
@@ -111,8 +113,9 @@ impl ModelChange {
             let solved = solve_branch(read, solver, (command, None), asked).ok()?;
             let (line, _) = prism_lang::line_and_column(read.text, command.span.start);
             let what = format!(
-                "{} can happen, with probability {} each time, with which the rate is that of {}",
+                "{} can happen, with {} {} each time, with which the share of runs is that of {}",
                 name.replace('_', " "),
+                number_in_words(read, None),
                 digits(solved.value),
                 counts.words()
             );
@@ -181,7 +184,11 @@ pub(crate) fn solve_branch(
     let read = Read::new(&branched.text)?;
     let number = Number::Constant(branched.constant.clone());
     let mut rate = |value: f64| rate_with(&read, solver, &number, value, subject);
-    let found = solve::crossing(&mut rate, (start, Scale::Odds), counts.rate(), FARTHEST);
+    let scale = match place.1 {
+        None if is_of_rates(&read) => Scale::Log,
+        _ => Scale::Odds,
+    };
+    let found = solve::crossing(&mut rate, (start, scale), counts.rate(), FARTHEST);
     let value = found.ok_or("no probability of the branch gives the counted rate")?;
     let text = number.set(&read, value)?;
     Ok(SolvedBranch {
@@ -190,6 +197,19 @@ pub(crate) fn solve_branch(
         constant: branched.constant,
         value,
     })
+}
+
+/// Whether the model's numbers are rates in continuous time.
+fn is_of_rates(read: &Read) -> bool {
+    read.model.model_type == ModelType::Ctmc
+}
+
+/// What the number of a further update of a command is: of a part of an update it is a probability, whatever the update's is.
+pub(crate) fn number_in_words(read: &Read, update: Option<&Update>) -> &'static str {
+    match update {
+        None if is_of_rates(read) => "rate",
+        _ => "probability",
+    }
 }
 
 /// The variable and the value of a proposition `variable=value`, and whether the model lacks the value.
@@ -313,6 +333,14 @@ fn with_branch(
     let line = format!("const double {constant} = {share}; // {comment}");
     edits.push(edit::add_constants(read.text, &read.tree, &[line], None));
     match update {
+        // A rate takes nothing from the others.
+        None if is_of_rates(read) => {
+            if let (Some(first), Some(last)) = (command.updates.first(), command.updates.last()) {
+                let outcome = edit::with_value(read.text, first, variable, value);
+                let added = format!(" + {constant} : {outcome}");
+                edits.push(edit::Edit::insert(last.span.end, added));
+            }
+        }
         None => edits.extend(edit::add_branch(
             read.text, command, &constant, variable, value,
         )),

@@ -92,15 +92,16 @@ impl Diagnosing<'_> {
         };
         let others = all.iter().filter(speaks).filter_map(|other| {
             let rate = Rate::on(other, subject)?;
-            Some((strength(own, rate, self.margin(subject)), other, rate))
+            Some((strength(own, rate, self.margin(subject)), other))
         });
-        let (apart, other, rate) = others.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (apart, other) = others.max_by(|a, b| a.0.total_cmp(&b.0))?;
         if apart <= STRONG || is_of_another_part(all, piece, subject) || !self.is_own(subject) {
             return None;
         }
-        let counts = match rate {
-            Rate::Counted { count, trials, .. } => [count.round() as u64, trials.round() as u64],
-            Rate::Computed(_) | Rate::Never => return None,
+        // As they were counted, not at their effective size.
+        let counts = match other.finding(subject).map(|it| &it.measure) {
+            Some(Measure::Counts { count, trials, .. }) => [*count, *trials],
+            _ => return None,
         };
         let says = if truth { "true" } else { "false" };
         Some(Clue {
