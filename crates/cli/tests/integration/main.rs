@@ -48,6 +48,7 @@ mod line_ends;
 mod one_person;
 mod persistent_command;
 mod planted_clauses;
+mod planted_constants;
 mod planted_forms;
 mod planted_idle;
 mod planted_impossible;

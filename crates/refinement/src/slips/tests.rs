@@ -108,3 +108,32 @@ fn names_of_states_are_no_limits() {
             .all(|(_, it)| it.contains("s=1 | s=2"))
     );
 }
+
+#[test]
+fn a_chain_of_operands_is_joined_otherwise_throughout() {
+    let text = TURNS.replace(
+        "(turns>=most) | s=away;",
+        "!(turns>=most & s=away & wet) | wet;",
+    );
+    let made = all_made(&text);
+    let wanted = "!(turns>=most | s=away | wet) | wet;";
+    assert!(
+        made.iter()
+            .any(|(kind, it)| *kind == 4 && it.contains(wanted))
+    );
+    // One of its operators alone is another change.
+    let one = "!(turns>=most & s=away | wet) | wet;";
+    assert!(made.iter().any(|(_, it)| it.contains(one)));
+}
+
+#[test]
+fn a_variable_of_states_may_begin_with_each_of_them() {
+    let made = all_made(TURNS);
+    for value in 1..=3 {
+        let wanted = format!("s : [0..away] init {value};");
+        assert!(
+            made.iter()
+                .any(|(kind, it)| *kind == 2 && it.contains(&wanted))
+        );
+    }
+}

@@ -278,7 +278,38 @@ impl Explained {
 
 #[cfg(test)]
 mod tests {
-    use super::fewest_wrong;
+    use super::{Explained, Pairs, TextEdit, drop_limits_that_play_no_part, fewest_wrong};
+
+    /// What a number in place of 12 explains, always as well.
+    fn number(new: u32) -> Explained {
+        Explained {
+            edit: TextEdit {
+                old: "12".to_owned(),
+                new: new.to_string(),
+                ..TextEdit::none()
+            },
+            pairs: Pairs::new(),
+            score: 10.0,
+            agreement: 1.0,
+            prior: 0.0,
+            odds: 0.0,
+            hides: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn limits_that_do_the_same_are_meant_unless_the_farthest_does_so_too() {
+        let tried: Vec<TextEdit> = (4..=20).map(|it| number(it).edit).collect();
+        let kept = |numbers: &[u32]| {
+            let mut found: Vec<Explained> = numbers.iter().map(|it| number(*it)).collect();
+            drop_limits_that_play_no_part(&mut found, &tried);
+            found.len()
+        };
+        assert_eq!(kept(&[7, 8]), 2);
+        assert_eq!(kept(&[8]), 1);
+        assert_eq!(kept(&[17, 18, 19, 20]), 0);
+        assert_eq!(kept(&[4, 5]), 0);
+    }
 
     #[test]
     fn one_piece_may_be_wrong_against_all_others_but_two_sides_of_two_need_two() {
