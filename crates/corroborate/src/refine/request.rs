@@ -189,7 +189,7 @@ fn known_suspect(result: &StudyResult, suspect: u32) -> Result<(), Problem> {
 fn accepted<'p>(accept: &Accept, proposals: &'p [Proposal]) -> Result<Vec<&'p Proposal>, Problem> {
     let numbers = match accept {
         Accept::Nothing => return Ok(Vec::new()),
-        Accept::All => return Ok(not_open(proposals)),
+        Accept::All => return Ok(proposals.iter().filter(|p| !p.needs_decision).collect()),
         Accept::Numbers(numbers) => numbers,
     };
     let of_number = |number: &usize| {
@@ -205,20 +205,6 @@ fn accepted<'p>(accept: &Accept, proposals: &'p [Proposal]) -> Result<Vec<&'p Pr
         })
     };
     numbers.iter().map(of_number).collect()
-}
-
-/// The proposals that need no decision; of those that explain the same, at most one of which is right, the first.
-fn not_open(proposals: &[Proposal]) -> Vec<&Proposal> {
-    let mut taken: Vec<&Proposal> = Vec::new();
-    for proposal in proposals.iter().filter(|it| !it.needs_decision) {
-        let is_rival = |it: &&Proposal| {
-            it.rivals.contains(&proposal.number) || proposal.rivals.contains(&it.number)
-        };
-        if !taken.iter().any(is_rival) {
-            taken.push(proposal);
-        }
-    }
-    taken
 }
 
 /// Where to work: in the study, or in a copy of it.

@@ -5,7 +5,7 @@
 //! single edit explains their conflict ([`Symptom::EditExplains`]), or if it is offered because they differ and cannot be computed
 //! before it is made (an exchange, a form, a fit). Two proposals are *rivals* if they repair one pair on one subject and do no harm.
 //! A proposal is *refuted* if it predicts a rate that the counts reject at [`REFUTED`]: beside one that is not, it is no rival but says so,
-//! and `--all` leaves it open. Of rivals `--all` takes at most the first.
+//! and `--all` leaves it open; likewise one that repairs nothing but what those before it repair that `--all` takes.
 //!
 //! # Guarantee
 //! No proposal with a rival is offered without naming it. That a proposal without one is right is not shown.
@@ -79,6 +79,19 @@ fn repairs(proposal: &Proposal, suspects: &[Suspect]) -> BTreeSet<Repaired> {
     }
 }
 
+/// Leaves open what repairs nothing but what proposals before it repair, which `--all` takes: at most one of them is right.
+fn leave_what_is_repaired(proposals: &mut [Proposal], all: &[(usize, bool, BTreeSet<Repaired>)]) {
+    let mut repaired: BTreeSet<&Repaired> = BTreeSet::new();
+    for (proposal, (.., own)) in proposals.iter_mut().zip(all) {
+        if proposal.needs_decision || refuted(proposal).is_some() {
+            continue;
+        }
+        let is_new = own.is_empty() || own.iter().any(|it| !repaired.contains(it));
+        proposal.needs_decision = !is_new;
+        repaired.extend(own.iter().filter(|_| is_new));
+    }
+}
+
 /// Says of each proposal which others repair what it repairs.
 pub(super) fn tell(offered: &mut Offered, suspects: &[Suspect]) {
     let all: Vec<(usize, bool, BTreeSet<Repaired>)> = offered
@@ -86,6 +99,7 @@ pub(super) fn tell(offered: &mut Offered, suspects: &[Suspect]) {
         .iter()
         .map(|it| (it.number, it.tried.is_harmful(), repairs(it, suspects)))
         .collect();
+    leave_what_is_repaired(&mut offered.proposals, &all);
     let are_refuted: Vec<bool> = offered
         .proposals
         .iter()

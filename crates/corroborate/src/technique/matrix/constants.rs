@@ -110,7 +110,7 @@ impl Diagnosing<'_> {
             subject: subject.clone(),
             score: apart.min(UNHARMFUL),
             title: format!(
-                "the property of {} says nothing of {}",
+                "the property of {} is not evidence about {}",
                 subject.in_words(),
                 piece.id
             ),
