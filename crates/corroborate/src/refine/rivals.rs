@@ -4,8 +4,8 @@
 //! A proposal *repairs* a pair of evidence on a subject if they disagree strongly before it and not after it ([`refinement::Trial`]), if a
 //! single edit explains their conflict ([`Symptom::EditExplains`]), or if it is offered because they differ and cannot be computed
 //! before it is made (an exchange, a form, a fit). Two proposals are *rivals* if they repair one pair on one subject and do no harm.
-//! A proposal is *refuted* if it predicts a rate that the counts reject at [`REFUTED`]: beside one that is not, it is no rival but says so,
-//! and `--all` leaves it open; likewise one that repairs nothing but what those before it repair that `--all` takes.
+//! A proposal is *refuted* if it predicts a rate that the counts reject at [`REFUTED`]: beside one that is not, it is no rival but says so.
+//! `--all` leaves open what is made for a subject that a proposal before it gives as it was counted.
 //!
 //! # Guarantee
 //! No proposal with a rival is offered without naming it. That a proposal without one is right is not shown.
@@ -79,16 +79,40 @@ fn repairs(proposal: &Proposal, suspects: &[Suspect]) -> BTreeSet<Repaired> {
     }
 }
 
-/// Leaves open what repairs nothing but what proposals before it repair, which `--all` takes: at most one of them is right.
-fn leave_what_is_repaired(proposals: &mut [Proposal], all: &[(usize, bool, BTreeSet<Repaired>)]) {
-    let mut repaired: BTreeSet<&Repaired> = BTreeSet::new();
-    for (proposal, (.., own)) in proposals.iter_mut().zip(all) {
-        if proposal.needs_decision || refuted(proposal).is_some() {
+/// The p-value from which on counts do not reject a predicted rate.
+const AS_COUNTED: f64 = 0.05;
+
+/// Leaves open what is made for a subject whose rate a proposal before it, which `--all` takes, gives as it was counted.
+fn leave_what_is_needless(proposals: &mut [Proposal]) {
+    for place in 0..proposals.len() {
+        let (before, rest) = proposals.split_at_mut(place);
+        let Some(proposal) = rest.first_mut().filter(|it| !it.needs_decision) else {
             continue;
+        };
+        let Change::Model { change, entry } = &proposal.change else {
+            continue;
+        };
+        let subject = change.subject();
+        let gives = |it: &&Proposal| {
+            let is_of_model =
+                matches!(&it.change, Change::Model { entry: other, .. } if other == entry);
+            let mut effects = it.effects.iter();
+            is_of_model
+                && !it.needs_decision
+                && effects.any(|effect| {
+                    effect.subject == subject
+                        && effect.before != effect.after
+                        && effect.p_value.is_some_and(|p| p >= AS_COUNTED)
+                })
+        };
+        if let Some(first) = before.iter().find(gives) {
+            proposal.notes.push(format!(
+                "With proposal {} {} is what was counted, too: `--all` takes that one.",
+                first.number,
+                subject.in_words()
+            ));
+            proposal.needs_decision = true;
         }
-        let is_new = own.is_empty() || own.iter().any(|it| !repaired.contains(it));
-        proposal.needs_decision = !is_new;
-        repaired.extend(own.iter().filter(|_| is_new));
     }
 }
 
@@ -99,7 +123,7 @@ pub(super) fn tell(offered: &mut Offered, suspects: &[Suspect]) {
         .iter()
         .map(|it| (it.number, it.tried.is_harmful(), repairs(it, suspects)))
         .collect();
-    leave_what_is_repaired(&mut offered.proposals, &all);
+    leave_what_is_needless(&mut offered.proposals);
     let are_refuted: Vec<bool> = offered
         .proposals
         .iter()
@@ -126,7 +150,6 @@ pub(super) fn tell(offered: &mut Offered, suspects: &[Suspect]) {
                 effect.subject.in_words()
             );
             proposal.notes.push(note);
-            proposal.needs_decision = true;
             continue;
         }
         let is_refuted = are_refuted[place];
