@@ -5,7 +5,6 @@
 //! single edit explains their conflict ([`Symptom::EditExplains`]), or if it is offered because they differ and cannot be computed
 //! before it is made (an exchange, a form, a fit). Two proposals are *rivals* if they repair one pair on one subject and do no harm.
 //! A proposal is *refuted* if it predicts a rate that the counts reject at [`REFUTED`]: beside one that is not, it is no rival but says so.
-//! `--all` leaves open what is made for a subject that a proposal before it gives as it was counted.
 //!
 //! # Guarantee
 //! No proposal with a rival is offered without naming it. That a proposal without one is right is not shown.
@@ -79,43 +78,6 @@ fn repairs(proposal: &Proposal, suspects: &[Suspect]) -> BTreeSet<Repaired> {
     }
 }
 
-/// The p-value from which on counts do not reject a predicted rate.
-const AS_COUNTED: f64 = 0.05;
-
-/// Leaves open what is made for a subject whose rate a proposal before it, which `--all` takes, gives as it was counted.
-fn leave_what_is_needless(proposals: &mut [Proposal]) {
-    for place in 0..proposals.len() {
-        let (before, rest) = proposals.split_at_mut(place);
-        let Some(proposal) = rest.first_mut().filter(|it| !it.needs_decision) else {
-            continue;
-        };
-        let Change::Model { change, entry } = &proposal.change else {
-            continue;
-        };
-        let subject = change.subject();
-        let gives = |it: &&Proposal| {
-            let is_of_model =
-                matches!(&it.change, Change::Model { entry: other, .. } if other == entry);
-            let mut effects = it.effects.iter();
-            is_of_model
-                && !it.needs_decision
-                && effects.any(|effect| {
-                    effect.subject == subject
-                        && effect.before != effect.after
-                        && effect.p_value.is_some_and(|p| p >= AS_COUNTED)
-                })
-        };
-        if let Some(first) = before.iter().find(gives) {
-            proposal.notes.push(format!(
-                "With proposal {} {} is what was counted, too: `--all` takes that one.",
-                first.number,
-                subject.in_words()
-            ));
-            proposal.needs_decision = true;
-        }
-    }
-}
-
 /// Says of each proposal which others repair what it repairs.
 pub(super) fn tell(offered: &mut Offered, suspects: &[Suspect]) {
     let all: Vec<(usize, bool, BTreeSet<Repaired>)> = offered
@@ -123,7 +85,6 @@ pub(super) fn tell(offered: &mut Offered, suspects: &[Suspect]) {
         .iter()
         .map(|it| (it.number, it.tried.is_harmful(), repairs(it, suspects)))
         .collect();
-    leave_what_is_needless(&mut offered.proposals);
     let are_refuted: Vec<bool> = offered
         .proposals
         .iter()
