@@ -609,12 +609,12 @@ impl EarlyJudge {
     }
 
     /// What is said of the trace in place of a verdict that only its end gave, if that is something else. `weak` is what is said
-    /// with the benefit of the doubt, `best` the greatest robustness that a continuation can give, `last_secs` the time of the last
-    /// sample.
+    /// with the benefit of the doubt (it may be open where samples are unknown), `best` the greatest robustness that a continuation
+    /// can give, `last_secs` the time of the last sample.
     pub(super) fn said_instead(
         self,
         report: &FormulaReport,
-        weak: Verdict,
+        weak: Option<&FormulaReport>,
         best: Option<RobustnessBounds>,
         last_secs: f64,
     ) -> Option<FormulaReport> {
@@ -653,11 +653,20 @@ impl EarlyJudge {
         if let Some(open) = open {
             return Some(as_open(open));
         }
-        if !is_violated || weak == Verdict::Violated || saw_all {
+        let weak = weak?;
+        if !is_violated || weak.verdict == Verdict::Violated || saw_all {
             return None;
         }
         let mut left_out = self.left_out.iter();
-        let best = report.robustness.and(best);
+        // The end leaves nothing open in these, but what was never known does.
+        let best = report.robustness.and(best).map(|best| {
+            let seen = weak.robustness.unwrap_or(best);
+            let high = seen.high.min(best.high);
+            RobustnessBounds {
+                low: seen.low.min(high),
+                high,
+            }
+        });
         if let Some((spared, _)) = left_out.find(|(it, began)| !it.is_passed(end_secs - began)) {
             return Some(as_open((*spared, best)));
         }
@@ -667,11 +676,11 @@ impl EarlyJudge {
             .map(|(it, _)| *it)
             .reduce(Horizon::and)?;
         Some(FormulaReport {
-            verdict: Verdict::Satisfied,
-            robustness: best.map(|best| RobustnessBounds {
-                low: best.high,
-                high: best.high,
-            }),
+            verdict: match weak.verdict {
+                Verdict::Inconclusive => Verdict::Inconclusive,
+                _ => Verdict::Satisfied,
+            },
+            robustness: best,
             left_out: Some(longest),
             explanation: None,
             ..report.clone()

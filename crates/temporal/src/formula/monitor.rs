@@ -604,9 +604,9 @@ impl FormulaJudge {
         };
         let early = self.early.as_ref().filter(|_| complete);
         let best = early.and_then(|_| self.robustness_bounds());
-        let weak = early.map_or(Verdict::Inconclusive, |_| {
+        let weak = early.map(|_| {
             let work = self.work.clone();
-            either!(work, judge => judge.with_ending(Ending::Weak).finish(complete)).verdict
+            either!(work, judge => judge.with_ending(Ending::Weak).finish(complete))
         });
         let mut report = either!(self.work, judge => judge.finish(complete));
         if self.is_void {
@@ -619,7 +619,7 @@ impl FormulaJudge {
             report.verdict = Verdict::Inconclusive;
         }
         if let Some(early) = self.early.filter(|_| complete)
-            && let Some(said) = early.said_instead(&report, weak, best, self.last_secs)
+            && let Some(said) = early.said_instead(&report, weak.as_ref(), best, self.last_secs)
         {
             report = said;
         }

@@ -483,3 +483,48 @@ fn nothing_is_satisfied_of_which_no_window_was_seen_whole() {
         assert_eq!(of(text, &late), Verdict::Inconclusive, "{text}");
     }
 }
+
+/// What was never known is open beside windows that the end cuts: whoever fills it in must not find another verdict.
+#[test]
+fn unknown_samples_stay_open_beside_windows_that_the_end_cuts() {
+    let texts = [
+        "always (eventually[0, 1 samples] a)",
+        "always (a => eventually[0, 2 samples] b)",
+        "always (a => always[0, 2 samples] b)",
+        "always (b until[0, 2 samples] a)",
+        "always (a => next b)",
+    ];
+    let mut numbers = Numbers(41);
+    let (mut open, mut told) = (0, 0);
+    for text in texts {
+        let formula = parse(text, &|_| None).unwrap().formula;
+        let of = |samples: &Samples| {
+            judged(&formula, samples, Settings::discrete(Ending::LongEnough)).verdict
+        };
+        for _ in 0..300 {
+            let length = 4 + numbers.below(4) as usize;
+            let times: Vec<f64> = (0..length).map(|at| at as f64).collect();
+            let mut samples = drawn(&mut numbers, &times, false);
+            let at = numbers.below(length as u64) as usize;
+            let atom = numbers.below(formula.atom_count() as u64) as usize;
+            samples[at].1[atom] = None;
+            let said = of(&samples);
+            let filled = [true, false].map(|value| {
+                samples[at].1[atom] = Some(value);
+                of(&samples)
+            });
+            match said {
+                Verdict::Satisfied | Verdict::Violated => {
+                    told += 1;
+                    let contrary = match said {
+                        Verdict::Satisfied => Verdict::Violated,
+                        _ => Verdict::Satisfied,
+                    };
+                    assert!(!filled.contains(&contrary), "{text}: {said:?}, {filled:?}");
+                }
+                _ => open += 1,
+            }
+        }
+    }
+    assert!(open > 100 && told > 300, "{open} {told}");
+}
